@@ -1,0 +1,34 @@
+"""Score agents that cooperate with strangers: Overcooked kitchens, frozen partners, honest statistics.
+
+Names are imported when they are used, so that `import overcooked_bench` stays quick.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
+    from overcooked_bench.kitchen.layout import Layout, LayoutError
+    from overcooked_bench.kitchen.state import Chef, KitchenState, Soup
+
+_HOMES = {
+    "Chef": "kitchen.state",
+    "KitchenState": "kitchen.state",
+    "Kitchens": "kitchen.kitchens",
+    "Layout": "kitchen.layout",
+    "LayoutError": "kitchen.layout",
+    "Soup": "kitchen.state",
+    "StepResult": "kitchen.kitchens",
+}
+
+__all__ = ["Chef", "KitchenState", "Kitchens", "Layout", "LayoutError", "Soup", "StepResult"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

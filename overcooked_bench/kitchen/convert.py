@@ -1,0 +1,129 @@
+"""Between the batch's arrays and the readable `KitchenState`, both ways and exact."""
+
+import numpy as np
+
+from overcooked_bench.kitchen.codes import (
+    COUNTER,
+    DISH,
+    FLOOR,
+    NOTHING,
+    NUM_ITEMS,
+    ONION,
+    POT_COOKING,
+    POT_IDLE,
+    POT_READY,
+    RECIPES,
+    SOUP,
+    TOMATO,
+    Position,
+    pot_recipe,
+)
+from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.rules import Plan
+from overcooked_bench.kitchen.state import FACINGS, Batch, Chef, KitchenState, Soup, Thing, row_major
+
+_NAMES: dict[int, Thing] = {ONION: "onion", TOMATO: "tomato", DISH: "dish"}
+_ITEMS = {name: code for code, name in _NAMES.items()}
+
+
+def read_state(batch: Batch, plan: Plan, layout: Layout, i: int) -> KitchenState:
+    """Gives kitchen i of a batch as a KitchenState."""
+    width = layout.width
+
+    def place(cell: int) -> Position:
+        return int(cell) % width, int(cell) // width
+
+    def thing(item: int) -> Thing:
+        if item <= SOUP:
+            return _NAMES[item]
+        time = layout.cook_times[item - SOUP]
+        return Soup(RECIPES[item - SOUP], time, time)
+
+    objects: dict[Position, Thing] = {}
+    for cell, code in enumerate(batch.cells[i].tolist()):
+        if COUNTER < code < COUNTER + NUM_ITEMS:
+            objects[place(cell)] = thing(code - COUNTER)
+        elif code > POT_IDLE:
+            recipe = pot_recipe(code)
+            time = layout.cook_times[recipe]
+            left = int(batch.remaining[i, plan.pot_at[cell]])
+            objects[place(cell)] = Soup(RECIPES[recipe], time - left, time) if code > POT_COOKING else Soup(RECIPES[recipe])
+    chefs = [
+        Chef(
+            place(batch.position[i, k]),
+            FACINGS[batch.facing[i, k]],
+            None if batch.held[i, k] == NOTHING else thing(int(batch.held[i, k])),
+        )
+        for k in range(2)
+    ]
+    return KitchenState((chefs[0], chefs[1]), objects, int(batch.timestep[i]), layout.orders, layout.bonus_orders)
+
+
+def write_state(batch: Batch, plan: Plan, layout: Layout, i: int, state: KitchenState, horizon: int) -> None:
+    """Puts a KitchenState into kitchen i of a batch, all but its image.
+
+    Cook times come from the layout; a state's own are only used to say how long a soup has cooked.
+
+    Raises:
+        ValueError: The state is not legal in this layout; nothing was changed then.
+    """
+    cells, remaining = plan.fresh_cells.copy(), np.zeros(len(plan.pots), np.uint8)
+    for wanted, given, what in ((layout.orders, state.orders, "orders"), (layout.bonus_orders, state.bonus_orders, "bonus")):
+        if given is not None and state.orders is not None and set(given) != set(wanted):
+            raise ValueError(f"the state's {what} are {sorted(given)} (onions, tomatoes), the layout's {sorted(wanted)}")
+    for (x, y), thing in row_major(state.objects).items():
+        where = f"{_name(thing)} at ({x}, {y})"
+        tile = layout.tile((x, y)) if 0 <= x < layout.width and 0 <= y < layout.height else "outside"
+        cell = y * layout.width + x
+        if tile == "X":
+            cells[cell] = COUNTER + _item(thing, layout, where)
+        elif tile == "P" and isinstance(thing, Soup):
+            recipe = _recipe_index(thing, where)
+            if thing.is_idle:
+                cells[cell] = POT_IDLE + recipe
+                continue
+            left = max(0, layout.cook_times[recipe] - thing.tick)
+            cells[cell] = (POT_COOKING if left else POT_READY) + recipe
+            remaining[plan.pot_at[cell]] = left
+        else:
+            raise ValueError(f"{where}: things lie on counters (X) and soups in pots (P), and this is {tile!r}")
+    position, facing, held = [], [], []
+    for seat, chef in enumerate(state.chefs):
+        x, y = chef.position
+        cell = y * layout.width + x
+        inside = 0 <= x < layout.width and 0 <= y < layout.height
+        if not inside or plan.fresh_cells[cell] != FLOOR:
+            raise ValueError(f"chef {seat} stands at ({x}, {y}), which is no floor")
+        if chef.facing not in FACINGS:
+            raise ValueError(f"chef {seat} faces {chef.facing!r}; directions are {', '.join(FACINGS)}")
+        position.append(cell)
+        facing.append(FACINGS.index(chef.facing))
+        held.append(NOTHING if chef.holding is None else _item(chef.holding, layout, f"chef {seat}'s {_name(chef.holding)}"))
+    if position[0] == position[1]:
+        raise ValueError(f"both chefs stand at {state.chefs[0].position}")
+    if not 0 <= state.timestep <= horizon:
+        raise ValueError(f"timestep {state.timestep}; the horizon is {horizon} steps")
+    batch.cells[i], batch.remaining[i] = cells, remaining
+    batch.position[i], batch.facing[i], batch.held[i] = position, facing, held
+    batch.timestep[i] = state.timestep
+
+
+def _name(thing: Thing) -> str:
+    return f"soup {thing.recipe}" if isinstance(thing, Soup) else thing
+
+
+def _recipe_index(soup: Soup, where: str) -> int:
+    if soup.recipe not in RECIPES[1:]:
+        raise ValueError(f"{where}: a soup has one to three ingredients, (onions, tomatoes)")
+    return RECIPES.index(soup.recipe)
+
+
+def _item(thing: Thing, layout: Layout, where: str) -> int:
+    if not isinstance(thing, Soup):
+        if thing not in _ITEMS:
+            raise ValueError(f"{where}: things are 'onion', 'tomato', 'dish' and Soup(...)")
+        return _ITEMS[thing]
+    recipe = _recipe_index(thing, where)
+    if thing.is_idle or thing.tick < (thing.cook_time if thing.cook_time >= 0 else layout.cook_times[recipe]):
+        raise ValueError(f"{where}: a soup outside the pots is always finished; give it tick = cook_time")
+    return SOUP + recipe

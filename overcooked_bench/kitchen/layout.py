@@ -1,0 +1,348 @@
+"""A kitchen's floor plan and menu: read an ASCII grid, check it, name it."""
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from importlib.resources import files
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from overcooked_bench.kitchen.codes import DIRECTIONS, MAX_INGREDIENTS, RECIPES, TILE_NAMES, TILES, Position, Recipe
+
+MIRRORED = "-mirrored"
+DEFAULT_SOUP_REWARD = 20
+DEFAULT_COOK_TIME = 20
+LONGEST_COOK_TIME = 254  # grids are uint8, and 255 would make SB3 take them for images
+MOST_CELLS = 4096
+
+PerRecipe = float | Mapping[str, float] | Sequence[float]
+"""One number for all, one for each ingredient, or one for each order (kitchen-spec section 12)."""
+
+
+class LayoutError(ValueError):
+    """A grid or its menu breaks a rule; the message says where and what to write instead."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A checked floor plan with its orders, rewards and cook times.
+
+    Make one with `Layout.from_text` or `Layout.load`.
+
+    Attributes:
+        name: What agents are told: a shipped layout's name, or the grid's text.
+        rows: H strings of W tiles: `X` counter, `P` pot, `O` onions, `T` tomatoes, `D` dishes, `S` serving, space floor.
+        start_cells: Standard start cell of each chef, from the digits of the grid; empty where there were none.
+        orders: Recipes that are paid for.
+        bonus_orders: Recipes that are paid `order_bonus` times.
+        order_bonus: The factor for bonus orders.
+        soup_rewards: Reward points of one delivery by recipe index (0 for what is not ordered), bonus included.
+        cook_times: Steps by recipe index.
+    """
+
+    name: str
+    rows: tuple[str, ...]
+    start_cells: tuple[Position, ...] = ()
+    orders: tuple[Recipe, ...] = ((3, 0),)
+    bonus_orders: tuple[Recipe, ...] = ()
+    order_bonus: float = 2
+    soup_rewards: tuple[float, ...] = field(default=(), repr=False)
+    cook_times: tuple[int, ...] = field(default=(), repr=False)
+
+    @classmethod
+    def from_text(
+        cls,
+        grid: str,
+        orders: Sequence[Sequence[str]] = (("onion", "onion", "onion"),),
+        bonus_orders: Sequence[Sequence[str]] = (),
+        order_bonus: float = 2,
+        soup_reward: PerRecipe = DEFAULT_SOUP_REWARD,
+        cook_time: PerRecipe = DEFAULT_COOK_TIME,
+        name: str | None = None,
+    ) -> "Layout":
+        """Reads a grid and its menu.
+
+        Args:
+            grid: Rows of tiles; the digits 1 and 2 mark where chef 0 and chef 1 start.
+            orders: Each a list of one to three ingredients, "onion" or "tomato"; an empty list means all nine recipes.
+            bonus_orders: Orders that pay `order_bonus` times.
+            order_bonus: Factor for bonus orders.
+            soup_reward: Points a delivery: one number, {"onion": v, "tomato": v} summed over the ingredients, or one
+                number for each order.
+            cook_time: Steps, in the same three forms.
+            name: Given by `load`; the grid's text where absent.
+
+        Raises:
+            LayoutError: The grid or the menu breaks a rule; names row and column, counted from 1.
+
+        Source: kitchen-spec sections 0 and 12, after overcooked_ai's layout files.
+        """
+        rows, starts = _parse_grid(grid)
+        recipes = tuple(_recipe(order, "orders") for order in orders)
+        bonus = tuple(_recipe(order, "bonus_orders") for order in bonus_orders)
+        values = _per_recipe(soup_reward, recipes, DEFAULT_SOUP_REWARD, "soup_reward")
+        times = _per_recipe(cook_time, recipes, DEFAULT_COOK_TIME, "cook_time")
+        for recipe, time in zip(RECIPES[1:], times[1:], strict=True):
+            if time != int(time) or not 1 <= time <= LONGEST_COOK_TIME:
+                raise LayoutError(
+                    f"cook_time makes {time} steps for {recipe[0]} onions and {recipe[1]} tomatoes; "
+                    f"give whole numbers from 1 to {LONGEST_COOK_TIME}"
+                )
+        paid = set(recipes or RECIPES[1:])
+        layout = cls(
+            name=name or "\n".join(_with_digits(rows, starts)),
+            rows=rows,
+            start_cells=starts,
+            orders=recipes or RECIPES[1:],
+            bonus_orders=bonus,
+            order_bonus=order_bonus,
+            soup_rewards=tuple(
+                float(v * (order_bonus if r in bonus else 1) if r in paid or r in bonus else 0)
+                for r, v in zip(RECIPES, values, strict=True)
+            ),
+            cook_times=tuple(int(t) for t in times),
+        )
+        layout._check()
+        return layout
+
+    @classmethod
+    def load(cls, source: "str | Path | Layout") -> "Layout":
+        """Gives a layout from a shipped name, `<name>-mirrored`, the path of a `.layout` file, a grid's text or a Layout.
+
+        Raises:
+            LayoutError: No such name or file, or the grid is not legal.
+        """
+        if isinstance(source, Layout):
+            return source
+        text = str(source)
+        if "\n" in text:
+            return cls.from_text(text)
+        if text.endswith(MIRRORED):
+            return cls.load(text.removesuffix(MIRRORED)).mirrored()
+        if text in layout_names():
+            return cls._from_file(files("overcooked_bench.kitchen.layouts").joinpath(f"{text}.layout").read_text(), text)
+        if Path(text).is_file():
+            return cls._from_file(Path(text).read_text(), None)
+        near = difflib.get_close_matches(text, layout_names(), n=1, cutoff=0.4)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        raise LayoutError(
+            f"no layout named {text!r}; {hint}Shipped are {', '.join(layout_names())}; "
+            "a path of a .layout file or a grid of several lines will do too"
+        )
+
+    @classmethod
+    def _from_file(cls, text: str, name: str | None) -> "Layout":
+        """Reads a grid, optionally followed by a line `---` and a YAML mapping of `from_text`'s other arguments."""
+        grid, _, menu = text.partition("\n---\n")
+        if not menu:
+            return cls.from_text(grid, name=name)
+        import yaml
+
+        options = yaml.safe_load(menu)
+        allowed = {"orders", "bonus_orders", "order_bonus", "soup_reward", "cook_time"}
+        if not isinstance(options, dict) or not set(options) <= allowed:
+            raise LayoutError(f"below the line '---' stand {options!r}; write a mapping with keys of {sorted(allowed)}")
+        return cls.from_text(grid, name=name, **options)
+
+    def mirrored(self) -> "Layout":
+        """Gives the left-right mirror image; its name gains or loses `-mirrored`, a grid's text is mirrored itself."""
+        rows = tuple(row[::-1] for row in self.rows)
+        starts = tuple((self.width - 1 - x, y) for x, y in self.start_cells)
+        if "\n" in self.name:
+            name = "\n".join(_with_digits(rows, starts))
+        else:
+            name = self.name.removesuffix(MIRRORED) if self.name.endswith(MIRRORED) else self.name + MIRRORED
+        return replace(self, name=name, rows=rows, start_cells=starts)
+
+    @property
+    def width(self) -> int:
+        """W, cells."""
+        return len(self.rows[0])
+
+    @property
+    def height(self) -> int:
+        """H, cells."""
+        return len(self.rows)
+
+    @property
+    def text(self) -> str:
+        """The grid with its digits, one row a line."""
+        return "\n".join(_with_digits(self.rows, self.start_cells))
+
+    @property
+    def has_tomatoes(self) -> bool:
+        """Whether tomatoes can be taken or are ordered here."""
+        ordered = any(tomatoes for _, tomatoes in self.orders + self.bonus_orders)
+        return ordered or any("T" in row for row in self.rows)
+
+    def tile(self, position: Position) -> str:
+        """Gives the tile's letter at (x, y)."""
+        return self.rows[position[1]][position[0]]
+
+    def positions(self, tiles: str) -> list[Position]:
+        """Lists the cells of the given tile letters in row-major order, the canonical order everywhere."""
+        return [(x, y) for y, row in enumerate(self.rows) for x, tile in enumerate(row) if tile in tiles]
+
+    @cached_property
+    def regions(self) -> dict[Position, int]:
+        """Numbers the separate parts of the floor: (x, y) of a floor cell -> region, from 0 in row-major order."""
+        regions: dict[Position, int] = {}
+        for cell in self.positions(" "):
+            if cell in regions:
+                continue
+            number, edge = len(set(regions.values())), [cell]
+            while edge:
+                x, y = edge.pop()
+                if (x, y) not in regions and self.tile((x, y)) == " ":
+                    regions[x, y] = number
+                    edge += [(x + dx, y + dy) for dx, dy in DIRECTIONS]
+        return regions
+
+    @cached_property
+    def start_regions(self) -> frozenset[tuple[int, int]]:
+        """Pairs (region of chef 0, region of chef 1) of a random start: a soup is possible, and the regions differ.
+
+        One region is used twice only where no two different regions allow a soup.
+
+        Source: the thesis, 6.2.1: the reference sampler ignores regions.
+        """
+        numbers = sorted(set(self.regions.values()))
+        able = [(a, b) for a, b in product(numbers, numbers) if self._can_serve({a, b})]
+        apart = frozenset((a, b) for a, b in able if a != b)
+        roomy = frozenset((a, a) for a, b in able if a == b and list(self.regions.values()).count(a) > 1)
+        return apart or roomy
+
+    def _reached(self, position: Position) -> set[int]:
+        """Gives the regions whose chefs can face the tile at (x, y)."""
+        x, y = position
+        return {self.regions[x + dx, y + dy] for dx, dy in DIRECTIONS if (x + dx, y + dy) in self.regions}
+
+    def _can_serve(self, chefs: set[int]) -> bool:
+        """Tells whether chefs in these regions can cook an order and serve it, handing things over shared counters."""
+        shared = any(chefs <= self._reached(counter) for counter in self.positions("X"))
+
+        def brought(tiles: str, to: int) -> bool:
+            near = [self._reached(position) & chefs for position in self.positions(tiles)]
+            return any(to in regions or (regions and shared) for regions in near)
+
+        def carried_off(start: int) -> bool:
+            near = [self._reached(position) & chefs for position in self.positions("S")]
+            return any(start in regions or (regions and shared) for regions in near)
+
+        menu = [[letter for letter, n in zip("OT", recipe, strict=True) if n] for recipe in self.orders]
+        return any(
+            all(any(brought(letter, filler) for filler in cooks) for letter in letters)
+            and any(brought("D", plater) and carried_off(plater) for plater in cooks)
+            for cooks in (self._reached(pot) & chefs for pot in self.positions("P"))
+            for letters in menu
+        )
+
+    def _check(self) -> None:
+        for letters, what in (("P", "pot (P)"), ("D", "dish dispenser (D)"), ("S", "serving tile (S)")):
+            self._need(letters, what)
+        menu = [{letter for letter, n in zip("OT", recipe, strict=True) if n} for recipe in self.orders]
+        present = {letter for letter in "OT" if self.positions(letter)}
+        if not any(letters <= present for letters in menu):
+            raise LayoutError(
+                "no order can be cooked: the grid has "
+                + (" and ".join(TILE_NAMES[letter] + "s" for letter in sorted(present)) or "no ingredient dispenser")
+                + "; add the dispensers (O onions, T tomatoes) that one of the orders needs"
+            )
+        for letter in sorted(set.union(*[letters for letters in menu if letters <= present])):
+            self._need(letter, TILE_NAMES[letter] + f" ({letter})")
+        if len(self.regions) < 2:
+            raise LayoutError("two chefs need at least two floor cells (spaces or digits)")
+        if self.start_cells and not self._can_serve({self.regions[cell] for cell in self.start_cells}):
+            raise LayoutError(
+                "no useful work is possible from the start cells: the chefs' regions and the counters they share "
+                "do not connect an ingredient, a dish, a pot and a serving tile; move a digit or open a wall"
+            )
+        if not self.start_regions:
+            raise LayoutError(
+                "no useful work is possible: no one or two regions of the floor, with the counters they share, connect "
+                "an ingredient, a dish, a pot and a serving tile; open a wall"
+            )
+
+    def _need(self, letters: str, what: str) -> None:
+        cells = self.positions(letters)
+        if not cells:
+            raise LayoutError(f"the grid has no {what}; put one in reach of the floor")
+        if not any(self._reached(cell) for cell in cells):
+            x, y = cells[0]
+            raise LayoutError(f"row {y + 1}, column {x + 1}: no floor cell lies beside the {what}, so no chef reaches it")
+
+
+def layout_names() -> tuple[str, ...]:
+    """Lists the shipped layouts, the five classic ones first."""
+    classic = ("cramped_room", "asymmetric_advantages", "coordination_ring", "forced_coordination", "counter_circuit")
+    found = {f.name.removesuffix(".layout") for f in files("overcooked_bench.kitchen.layouts").iterdir()}
+    return classic + tuple(sorted(name for name in found if not name.startswith("_") and name not in classic))
+
+
+def _parse_grid(grid: str) -> tuple[tuple[str, ...], tuple[Position, ...]]:
+    lines = [line.rstrip("\r") for line in grid.split("\n")]
+    while lines and not lines[0].strip():
+        lines.pop(0)
+    while lines and not lines[-1].strip():
+        lines.pop()
+    if not lines:
+        raise LayoutError("the grid is empty; write rows such as 'XXPXX'")
+    indent = min(len(line) - len(line.lstrip()) for line in lines)
+    lines = [line[indent:].rstrip() for line in lines]
+    width = len(lines[0])
+    starts: dict[int, Position] = {}
+    for y, line in enumerate(lines):
+        if len(line) != width:
+            raise LayoutError(
+                f"row {y + 1}: {len(line)} tiles where row 1 has {width}; every row needs the same length and a border"
+            )
+        for x, tile in enumerate(line):
+            where = f"row {y + 1}, column {x + 1}: "
+            if tile not in TILES and tile not in "12":
+                raise LayoutError(f"{where}unknown tile {tile!r}; tiles are X P O T D S, space for floor, 1 and 2 for chefs")
+            edge = x in (0, width - 1) or y in (0, len(lines) - 1)
+            if edge and tile in " 12":
+                raise LayoutError(f"{where}floor on the border; close it with a counter (X)")
+            if tile in "12":
+                if int(tile) in starts:
+                    raise LayoutError(f"{where}a second start cell for chef {tile}; use each digit once")
+                starts[int(tile)] = (x, y)
+    if width * len(lines) > MOST_CELLS:
+        raise LayoutError(f"the grid has {width * len(lines)} cells; at most {MOST_CELLS} are supported")
+    if len(starts) == 1:
+        raise LayoutError(f"only chef {next(iter(starts))} has a start cell; mark both with 1 and 2, or neither")
+    rows = tuple(line.replace("1", " ").replace("2", " ") for line in lines)
+    return rows, tuple(starts[k] for k in sorted(starts))
+
+
+def _with_digits(rows: Sequence[str], starts: Sequence[Position]) -> list[str]:
+    marked = [list(row) for row in rows]
+    for chef, (x, y) in enumerate(starts):
+        marked[y][x] = str(chef + 1)
+    return ["".join(row) for row in marked]
+
+
+def _recipe(order: Sequence[str], where: str) -> Recipe:
+    names = [order] if isinstance(order, str) else list(order)
+    unknown = [name for name in names if name not in ("onion", "tomato")]
+    if unknown or not 1 <= len(names) <= MAX_INGREDIENTS:
+        raise LayoutError(f"{where} holds {order!r}; write one to three of 'onion' and 'tomato'")
+    return names.count("onion"), names.count("tomato")
+
+
+def _per_recipe(given: Any, orders: Sequence[Recipe], default: float, key: str) -> list[float]:
+    """Resolves one of the three forms to a number for each recipe index."""
+    if isinstance(given, Mapping):
+        if set(given) != {"onion", "tomato"}:
+            raise LayoutError(f"{key} has the keys {sorted(given)}; give both 'onion' and 'tomato'")
+        return [given["onion"] * onions + given["tomato"] * tomatoes for onions, tomatoes in RECIPES]
+    if isinstance(given, Sequence) and not isinstance(given, str):
+        if len(given) != len(orders):
+            raise LayoutError(f"{key} has {len(given)} numbers for {len(orders)} orders; give one for each")
+        listed = dict(zip(orders, given, strict=True))
+        return [listed.get(recipe, default) for recipe in RECIPES]
+    if isinstance(given, bool) or not isinstance(given, (int, float)):
+        raise LayoutError(f"{key} is {given!r}; give a number, {{'onion': v, 'tomato': v}}, or one number an order")
+    return [given] * len(RECIPES)

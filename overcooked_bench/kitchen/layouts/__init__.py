@@ -1,0 +1,1 @@
+"""The shipped floor plans, one `.layout` file each."""
