@@ -88,10 +88,11 @@ def write_features(batch: Batch, plan: Plan, near: Distances, out: NDArray[np.fl
     for i in range(batch.cells.shape[0]):
         for viewer in range(2):
             row = out[i, viewer]
-            row[:] = 0
+            for k in range(NUM_FEATURES):
+                row[k] = 0
             other = 1 - viewer
-            _write_block(batch, plan, near, i, viewer, row[:_BLOCK])
-            _write_block(batch, plan, near, i, other, row[_BLOCK : 2 * _BLOCK])
+            _write_block(batch, plan, near, i, viewer, row, 0)
+            _write_block(batch, plan, near, i, other, row, _BLOCK)
             own_place, other_place = near.place[batch.position[i, viewer]], near.place[batch.position[i, other]]
             for axis in range(2):
                 row[2 * _BLOCK + axis] = other_place[axis] - own_place[axis]
@@ -99,26 +100,26 @@ def write_features(batch: Batch, plan: Plan, near: Distances, out: NDArray[np.fl
 
 
 @jit
-def _write_block(batch: Batch, plan: Plan, near: Distances, i: int, chef: int, row: NDArray[np.float32]) -> None:
+def _write_block(batch: Batch, plan: Plan, near: Distances, i: int, chef: int, row: NDArray[np.float32], first: int) -> None:
     cell, facing, held = batch.position[i, chef], batch.facing[i, chef], batch.held[i, chef]
-    row[facing] = 1
+    row[first + facing] = 1
     if held != NOTHING:
-        row[4 + (0 if held == ONION else 1 if held > SOUP else 2 if held == DISH else 3)] = 1
+        row[first + 4 + (0 if held == ONION else 1 if held > SOUP else 2 if held == DISH else 3)] = 1
     offsets = (8, 10, 12, 18)
     items = (ONION, TOMATO, DISH, NOTHING)
     for k in range(4):
         target = near.nearest[cell, facing, k]
         if target >= 0 and (held != items[k] or held == NOTHING):
             for axis in range(2):
-                row[offsets[k] + axis] = near.place[target, axis] - near.place[cell, axis]
+                row[first + offsets[k] + axis] = near.place[target, axis] - near.place[cell, axis]
     if held > SOUP:
-        row[16] = _RECIPES[held - SOUP, 0]
-        row[17] = _RECIPES[held - SOUP, 1]
+        row[first + 16] = _RECIPES[held - SOUP, 0]
+        row[first + 17] = _RECIPES[held - SOUP, 1]
     for slot in range(_POT_SLOTS):
         p = near.pots[cell, facing, slot]
         if p < 0:
             continue
-        pot, at = plan.pots[p], 22 + 10 * slot
+        pot, at = plan.pots[p], first + 22 + 10 * slot
         code = batch.cells[i, pot]
         recipe = code - (POT_READY if code > POT_READY else POT_COOKING if code > POT_COOKING else POT_IDLE)
         row[at] = 1
@@ -132,4 +133,4 @@ def _write_block(batch: Batch, plan: Plan, near: Distances, i: int, chef: int, r
         row[at + 8] = near.place[pot, 0] - near.place[cell, 0]
         row[at + 9] = near.place[pot, 1] - near.place[cell, 1]
     for direction in range(4):
-        row[22 + 10 * _POT_SLOTS + direction] = near.walls[cell, direction]
+        row[first + 22 + 10 * _POT_SLOTS + direction] = near.walls[cell, direction]

@@ -20,10 +20,10 @@ def jit(function: Function) -> Function:
     """Compiles a kernel on first use, releasing the GIL, with the compiled code kept on disk where that is possible.
 
     Numba's own cache looks at the file of the outermost function only, and would keep old code when an inlined kernel
-    of another file changes; this one lies in a folder named after the content of all kernel sources.
+    of another file changes; this one lies in a folder named after the content of the kitchen's sources and that file.
     """
-    folder = _cache_folder()
-    options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+    folder = _cache_folder(Path(function.__code__.co_filename))
+    options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
     if folder is None or DISABLED:
         return numba.njit(**options)(function)  # type: ignore[no-any-return]
     before = numba.config.CACHE_DIR
@@ -35,11 +35,10 @@ def jit(function: Function) -> Function:
 
 
 @cache
-def _cache_folder() -> Path | None:
-    package = Path(__file__).parents[1]
+def _cache_folder(source: Path) -> Path | None:
     digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted([*package.glob("kitchen/*.py"), *package.glob("agents/*.py")]):
-        digest.update(source.read_bytes())
+    for path in sorted({*Path(__file__).parent.glob("*.py"), source}):
+        digest.update(path.read_bytes())
     if sys.platform == "win32":
         home = os.environ.get("LOCALAPPDATA")
     else:

@@ -18,9 +18,9 @@ from overcooked_bench.kitchen.observations import (
     CHEF_CHANNELS,
     NUM_CHANNELS,
     ONION_CHANNELS,
-    URGENCY,
     URGENT_STEPS,
     paint_kitchen,
+    paint_urgency,
     plane_runs,
     write_chefs,
     write_views,
@@ -178,14 +178,14 @@ class Kitchens:
             if fault < 0:
                 self._past.remember(self.batch)
         with _quiet():
-            fault = _step_all(
+            fault, over = _step_all(
                 *(self.batch, self.plan, joint, soup_reward, partial_reward, truncated, events),
-                *(self.horizon, self.autoreset, self.start == "random", self.object_probability),
+                self.horizon,
             )
         if fault >= 0:
             self._raise_fault(fault, joint)
-        if self._past and self.autoreset and truncated.any():
-            self._past.restart(self.batch, truncated)
+        if self.autoreset and over:
+            self.reset(mask=truncated)
         return StepResult(soup_reward, partial_reward, truncated, events if self._events else None)
 
     def _raise_fault(self, kitchen: int, actions: NDArray[np.int64]) -> None:
@@ -316,23 +316,22 @@ def _step_all(
     truncated: NDArray[np.bool_],
     events: NDArray[np.bool_],
     horizon: int,
-    autoreset: bool,
-    random: bool,
-    object_probability: float,
-) -> int:
-    """Steps every kitchen; gives -1, or the first kitchen that cannot be stepped, and then nothing was done."""
-    fault = _find_fault(batch, actions, horizon)
+) -> tuple[int, int]:
+    """Steps every kitchen; gives the first that cannot be stepped, or -1, and how many are over now.
+
+    Where one cannot be stepped, nothing was done.
+    """
+    fault, over = _find_fault(batch, actions, horizon), 0
     if fault >= 0:
-        return fault
+        return fault, over
     for i in range(actions.shape[0]):
         step_kitchen(batch, plan, i, actions[i], soup_reward[i], partial_reward[i], events[i])
         left = horizon - batch.timestep[i]
         truncated[i] = left <= 0
+        over += left <= 0
         if left == URGENT_STEPS - 1:
-            batch.image[i, URGENCY, :] = 1
-        if left <= 0 and autoreset:
-            start_kitchen(batch, plan, i, random, object_probability, horizon)
-    return -1
+            paint_urgency(batch.image[i])
+    return -1, over
 
 
 @jit

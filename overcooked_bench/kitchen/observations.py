@@ -93,7 +93,14 @@ def paint_kitchen(
         if held[chef] != NOTHING:
             paint_cell(image, position[chef], COUNTER + held[chef], 0, paint)
     if steps_left < URGENT_STEPS:
-        image[URGENCY, :] = 1
+        paint_urgency(image)
+
+
+@jit
+def paint_urgency(image: NDArray[np.uint8]) -> None:
+    """Fills the urgency plane of a kitchen's image, (26, C) uint8."""
+    for cell in range(image.shape[1]):
+        image[URGENCY, cell] = 1
 
 
 @jit

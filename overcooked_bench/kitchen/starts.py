@@ -42,19 +42,21 @@ def stream_keys(seed: int | NDArray[np.uint64] | None, num_kitchens: int) -> NDA
     return _mixed(base + np.arange(1, num_kitchens + 1, dtype=np.uint64) * _GOLDEN)
 
 
-@jit
 def _mixed(z: Any) -> Any:
-    """Scrambles 64 bits (Steele, Lea and Flood 2014, SplitMix64)."""
+    """Scrambles 64 bits, of one number or of each in an array (Steele, Lea and Flood 2014, SplitMix64)."""
     z = (z ^ (z >> _30)) * _MIX_1
     z = (z ^ (z >> _27)) * _MIX_2
     return z ^ (z >> _31)
+
+
+_mixed_one = jit(_mixed)
 
 
 @jit
 def draw(stream: NDArray[np.uint64], below: int) -> int:
     """Draws a whole number from 0 to below - 1 and advances the stream, (2,) uint64 key and count."""
     stream[1] += np.uint64(1)
-    bits = _mixed(stream[0] + stream[1] * _GOLDEN)
+    bits = _mixed_one(stream[0] + stream[1] * _GOLDEN)
     return np.int64(((bits >> _32) * np.uint64(below)) >> _32)
 
 
@@ -72,11 +74,14 @@ def start_kitchen(batch: Batch, plan: Plan, i: int, random: bool, object_probabi
         horizon: Steps of an episode, for the urgency plane.
     """
     cells, position, held, stream = batch.cells[i], batch.position[i], batch.held[i], batch.stream[i]
-    cells[:] = plan.fresh_cells
-    batch.remaining[i, :] = 0
-    batch.facing[i, :] = NORTH
+    for cell in range(cells.shape[0]):  # a slice assignment would take seconds to compile
+        cells[cell] = plan.fresh_cells[cell]
+    for p in range(plan.pots.shape[0]):
+        batch.remaining[i, p] = 0
+    for chef in range(2):
+        batch.facing[i, chef] = NORTH
+        held[chef] = NOTHING
     batch.timestep[i] = 0
-    held[:] = NOTHING
     if random:
         a, b = 0, 0
         while a == b or not plan.allowed[plan.region[a], plan.region[b]]:
