@@ -1,0 +1,132 @@
+"""The kitchen as text for a terminal."""
+
+from __future__ import annotations
+
+from overcooked_bench.kitchen.codes import RECIPES
+from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.state import FACINGS, KitchenState, Soup, Thing
+
+TILE_WIDTH = 3
+"""Characters of one tile."""
+
+_ARROWS = dict(zip(FACINGS, "^v><", strict=True))
+_LETTERS = {"onion": "o", "tomato": "t", "dish": "d"}
+
+# 256-colour codes: (ink, ground, bold)
+_Look = tuple[int, int, bool]
+_FLOOR: _Look = (0, 230, False)
+_COUNTER: _Look = (0, 248, False)
+_CHEFS: tuple[_Look, _Look] = ((231, 25, True), (16, 214, True))
+_TILES: dict[str, _Look] = {
+    " ": _FLOOR,
+    "X": _COUNTER,
+    "O": (16, 221, True),
+    "T": (231, 160, True),
+    "D": (16, 255, True),
+    "S": (231, 29, True),
+}
+_LYING: dict[str, _Look] = {"o": (94, 248, True), "t": (124, 248, True), "d": (231, 248, True), "s": (88, 248, True)}
+_POT_EMPTY: _Look = (250, 238, False)
+_POT_FILLED: _Look = (221, 238, True)
+_POT_COOKING: _Look = (16, 208, True)
+_POT_READY: _Look = (16, 46, True)
+
+
+def film(layout: Layout, state: KitchenState, *, colour: bool = True, legend: bool = True) -> str:
+    r"""Writes a kitchen as text, one line a row and three characters a tile.
+
+    A chef is seat, arrow and what is held (`1>o`); pots are `[_]` empty, `[2]` with that many ingredients, `~12` cooking
+    with that many steps to go, `[!]` ready; `<O>`, `<T>`, `<D>` hand out onions, tomatoes and dishes, `<S>` serves;
+    `###` is a counter and `#o#` one with an onion on it (t tomato, d dish, s soup).
+
+    Args:
+        layout: The floor plan.
+        state: Who stands where with what, and what lies where.
+        colour: Whether to add ANSI colours; without them the text is plain ASCII.
+        legend: Whether to add a line for the chefs and one for the pots that are not empty.
+
+    Returns:
+        Lines joined by "\n", without one at the end.
+    """
+    rows = [[_tile(layout, state, (x, y)) for x in range(layout.width)] for y in range(layout.height)]
+    for seat, chef in enumerate(state.chefs):
+        x, y = chef.position
+        rows[y][x] = f"{seat}{_ARROWS[chef.facing]}{_letter(chef.holding)}", _CHEFS[seat]
+    paint = _paint if colour else _plain
+    lines = ["".join(paint(text, look) for text, look in row) for row in rows]
+    if legend:
+        lines += _legend(layout, state, colour)
+    return "\n".join(lines)
+
+
+def remaining_steps(layout: Layout, soup: Soup) -> int | None:
+    """Gives the steps until a pot's soup is ready, 0 for a ready one, None for an idle one."""
+    if soup.is_idle:
+        return None
+    cook_time = soup.cook_time if soup.cook_time >= 0 else layout.cook_times[RECIPES.index(soup.recipe)]
+    return max(0, cook_time - soup.tick)
+
+
+def describe(thing: Thing | None) -> str:
+    """Names what is held or lies somewhere: "nothing", "onion", "soup of 2 onions and 1 tomato"."""
+    if thing is None:
+        return "nothing"
+    return f"soup of {_ingredients(thing)}" if isinstance(thing, Soup) else thing
+
+
+def _ingredients(soup: Soup) -> str:
+    counts = [(n, kind) for n, kind in zip(soup.recipe, ("onion", "tomato"), strict=True) if n]
+    plural = {"onion": "onions", "tomato": "tomatoes"}
+    return " and ".join(f"{n} {kind if n == 1 else plural[kind]}" for n, kind in counts)
+
+
+def _letter(thing: Thing | None) -> str:
+    if thing is None:
+        return " "
+    return "s" if isinstance(thing, Soup) else _LETTERS[thing]
+
+
+def _tile(layout: Layout, state: KitchenState, position: tuple[int, int]) -> tuple[str, _Look]:
+    tile, thing = layout.tile(position), state.objects.get(position)
+    if tile == "P":
+        return _pot(layout, thing)
+    if tile == "X" and thing is not None:
+        letter = _letter(thing)
+        return f"#{letter}#", _LYING[letter]
+    return {" ": "   ", "X": "###"}.get(tile, f"<{tile}>"), _TILES[tile]
+
+
+def _pot(layout: Layout, content: Thing | None) -> tuple[str, _Look]:
+    if not isinstance(content, Soup):
+        return "[_]", _POT_EMPTY
+    left = remaining_steps(layout, content)
+    if left is None:
+        return f"[{sum(content.recipe)}]", _POT_FILLED
+    if left == 0:
+        return "[!]", _POT_READY
+    return (f"~{left:2d}" if left < 100 else str(left)), _POT_COOKING
+
+
+def _legend(layout: Layout, state: KitchenState, colour: bool) -> list[str]:
+    chefs = []
+    for seat, chef in enumerate(state.chefs):
+        label = f"{seat}{_ARROWS[chef.facing]}"
+        chefs.append(f"{_paint(label, _CHEFS[seat]) if colour else label} {describe(chef.holding)}")
+    lines = [f"step {state.timestep}   " + "   ".join(chefs)]
+    pots = []
+    for x, y in layout.positions("P"):
+        content = state.objects.get((x, y))
+        if isinstance(content, Soup):
+            left = remaining_steps(layout, content)
+            condition = "" if left is None else ", ready" if left == 0 else f", {left} steps to go"
+            pots.append(f"pot ({x}, {y}): {_ingredients(content)}{condition}")
+    return [*lines, "   ".join(pots) or "pots: empty"]
+
+
+def _paint(text: str, look: _Look) -> str:
+    ink, ground, bold = look
+    return f"\x1b[{'1;' if bold else ''}38;5;{ink};48;5;{ground}m{text}\x1b[0m"
+
+
+def _plain(text: str, look: _Look) -> str:
+    return text
