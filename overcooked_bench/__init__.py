@@ -6,7 +6,12 @@ Names are imported when they are used, so that `import overcooked_bench` stays q
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from overcooked_bench.envs.registration import register_environments
+
 if TYPE_CHECKING:
+    from overcooked_bench.agents.agent import UnknownLayout
+    from overcooked_bench.agents.catalogue import load_agent
+    from overcooked_bench.envs.parallel import parallel_env
     from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
     from overcooked_bench.kitchen.layout import Layout, LayoutError
     from overcooked_bench.kitchen.state import Chef, KitchenState, Soup
@@ -19,9 +24,14 @@ _HOMES = {
     "LayoutError": "kitchen.layout",
     "Soup": "kitchen.state",
     "StepResult": "kitchen.kitchens",
+    "UnknownLayout": "agents.agent",
+    "load_agent": "agents.catalogue",
+    "parallel_env": "envs.parallel",
 }
 
-__all__ = ["Chef", "KitchenState", "Kitchens", "Layout", "LayoutError", "Soup", "StepResult"]
+register_environments()
+
+__all__ = ["Chef", "KitchenState", "Kitchens", "Layout", "LayoutError", "Soup", "StepResult", "parallel_env"]
 
 
 def __getattr__(name: str) -> Any:

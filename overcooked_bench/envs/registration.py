@@ -1,0 +1,28 @@
+"""Gymnasium ids, one for each shipped layout and one for a custom grid.
+
+The dynamics of a `-v0` id never change; whatever would change them gets `-v1`.
+"""
+
+from overcooked_bench.kitchen.layout import layout_names
+
+CUSTOM_ID = "Overcooked/Custom-v0"
+_SINGLE = "overcooked_bench.envs.single:OvercookedEnv"
+_VECTOR = "overcooked_bench.envs.vector:OvercookedVectorEnv"
+
+
+def env_id(layout: str) -> str:
+    """Gives the id of a shipped layout: "cramped_room" is played as "Overcooked/CrampedRoom-v0"."""
+    return f"Overcooked/{''.join(word.capitalize() for word in layout.split('_'))}-v0"
+
+
+def register_environments() -> None:
+    """Registers all ids with Gymnasium; those that are there already are left alone.
+
+    No `max_episode_steps` is registered: the horizon is the kitchen's own.
+    """
+    from gymnasium.envs.registration import register, registry
+
+    rows = {env_id(name): {"layout": name} for name in layout_names()} | {CUSTOM_ID: {}}
+    for name, kwargs in rows.items():
+        if name not in registry:
+            register(name, entry_point=_SINGLE, vector_entry_point=_VECTOR, kwargs=kwargs)

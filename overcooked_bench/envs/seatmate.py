@@ -1,0 +1,130 @@
+"""The partner on the other seat: any agent, shown what it asks for, its answers checked.
+
+Axes: N kitchens.
+"""
+
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overcooked_bench.agents.agent import Agent
+from overcooked_bench.kitchen.codes import STAY
+from overcooked_bench.kitchen.kitchens import OBSERVATIONS, Kitchens
+from overcooked_bench.kitchen.layout import Layout
+
+RANDOM_SEAT: Final = "random"
+STAY_ACTION: Final = STAY
+LARGEST_DRAW: Final = 2**63
+"""One draw an episode serves both the ego agent's seat, the lowest bit, and the partner's seed, the others."""
+
+_STATE: Final = "state"
+
+
+class Seatmate:
+    """One agent that plays the other seat of N kitchens, asked once a step for all of them.
+
+    Args:
+        partner: A catalogue name, the path of a submission, or an Agent.
+        layout: Where it plays.
+
+    Attributes:
+        observation: What the agent is shown, a name of `Kitchens.observe` or "state".
+    """
+
+    def __init__(self, partner: str | Path | Agent, layout: Layout) -> None:
+        self._agent, self._name = _find(partner, layout)
+        self.observation = self._agent.observation
+        if self.observation not in (*OBSERVATIONS, _STATE):
+            raise ValueError(
+                f"partner {self._name} has observation={self.observation!r}; "
+                f"choose one of {', '.join((*OBSERVATIONS, _STATE))}"
+            )
+
+    def reset(self, kitchens: Kitchens, seats: NDArray[np.int64], seeds: NDArray[np.uint64]) -> None:
+        """Starts new episodes in all kitchens.
+
+        Args:
+            kitchens: N kitchens.
+            seats: (N,) the partner's own seats.
+            seeds: (N,) uint64.
+        """
+        self._rows = 2 * np.arange(kitchens.num_kitchens) + seats
+        self._agent.reset(kitchens.layout.name, seats, seeds)
+
+    def act(self, kitchens: Kitchens) -> NDArray[Any]:
+        """Asks for the next actions.
+
+        Returns:
+            (N,) whole numbers.
+
+        Raises:
+            ValueError: The agent answered with something else.
+        """
+        n = kitchens.num_kitchens
+        shown: Any
+        if self.observation == _STATE:
+            shown = [kitchens.state(i) for i in range(n)]
+        else:
+            views = kitchens.observe(self.observation)
+            shown = views.reshape(2 * n, *views.shape[2:]).take(self._rows, 0)
+        actions = np.asarray(self._agent.act(shown))
+        if actions.shape != (n,) or actions.dtype.kind not in "iu":
+            raise ValueError(
+                f"partner {self._name} answered with the shape {actions.shape} and the type {actions.dtype}; "
+                f"act() must give whole numbers of the shape ({n},)"
+            )
+        return actions
+
+    def shown_by(self, kitchens: Kitchens) -> None:
+        """Checks that these kitchens can show what the agent wants to see.
+
+        Raises:
+            ValueError: They cannot; says why.
+        """
+        if self.observation != _STATE:
+            kitchens.observation_shape(self.observation)
+
+
+def seatmate(partner: str | Path | Agent, layout: Layout) -> Seatmate | None:
+    """Gives the partner, or None for "stay", which needs no asking: its action is always `STAY_ACTION`."""
+    return None if isinstance(partner, str) and partner == "stay" else Seatmate(partner, layout)
+
+
+def checked_seat(seat: str | int) -> str | int:
+    """Gives the seat back.
+
+    Raises:
+        ValueError: It is none.
+    """
+    if seat not in (RANDOM_SEAT, 0, 1):
+        raise ValueError(f"seat={seat!r}; give 0, 1, or {RANDOM_SEAT!r} for a seat drawn for each episode")
+    return seat
+
+
+def needed_layout(layout: str | Path | Layout | None) -> Layout:
+    """Reads the layout.
+
+    Raises:
+        ValueError: None was given.
+        LayoutError: It is not legal.
+    """
+    if layout is None:
+        raise ValueError(
+            "no layout was given; write layout= with a grid's text, the path of a .layout file or a shipped name"
+        )
+    return Layout.load(layout)
+
+
+def _find(partner: str | Path | Agent, layout: Layout) -> tuple[Agent, str]:
+    if isinstance(partner, str | Path):
+        from overcooked_bench.agents.catalogue import load_agent
+
+        return load_agent(partner, layout), repr(str(partner))
+    if not isinstance(partner, Agent):
+        raise TypeError(
+            f"partner={partner!r}; give a catalogue name, the path of a submission, or an object with "
+            "observation, reset(layout, seats, seeds) and act(observations)"
+        )
+    return partner, type(partner).__name__
