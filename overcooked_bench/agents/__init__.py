@@ -1,5 +1,32 @@
-"""Whoever can sit on a seat: the contract of agents and what helps to keep it."""
+"""Whoever can sit on a seat: the contract of agents and what helps to keep it.
 
-from overcooked_bench.agents.agent import Agent, UnknownLayout, one_game_at_a_time, sample_actions, uniforms
+Names are imported when they are used, so that torch is loaded only where a network plays.
+"""
 
-__all__ = ["Agent", "UnknownLayout", "one_game_at_a_time", "sample_actions", "uniforms"]
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from overcooked_bench.agents.agent import Agent, UnknownLayout, one_game_at_a_time, sample_actions, uniforms
+    from overcooked_bench.agents.catalogue import load_agent
+
+_HOMES = {
+    "Agent": "agent",
+    "UnknownLayout": "agent",
+    "load_agent": "catalogue",
+    "one_game_at_a_time": "agent",
+    "sample_actions": "agent",
+    "uniforms": "agent",
+}
+
+__all__ = ["Agent", "UnknownLayout", "load_agent", "one_game_at_a_time", "sample_actions", "uniforms"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,83 @@
+"""From names and files to agents."""
+
+import difflib
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from overcooked_bench.agents.agent import Agent, UnknownLayout
+from overcooked_bench.agents.checks import AgentError
+from overcooked_bench.agents.manifest import MANIFEST, read_manifest
+from overcooked_bench.agents.pool import Pool, find_pool, shipped_pools
+from overcooked_bench.agents.scripted import SCRIPTED, make_scripted
+from overcooked_bench.agents.submission import ENTRY, load_submission
+
+if TYPE_CHECKING:
+    from overcooked_bench.agents.neural import Mode
+    from overcooked_bench.agents.policy import Policy
+
+_POLICY_SUFFIXES = (".safetensors", ".json")
+
+
+def catalogue() -> list[str]:
+    """Lists every name that `load_agent` knows: the scripted agents, then `pool/layout/agent` of the shipped pools."""
+    frozen = []
+    for name in shipped_pools():
+        pool = Pool(find_pool(name), read_manifest(find_pool(name)))
+        frozen += [f"{name}/{layout}/{agent.name}" for layout in pool.layouts for agent in pool.agents(layout)]
+    return [*SCRIPTED, *frozen]
+
+
+def load_agent(name_or_path: str | Path, layout: str, training_seed: int = 0, mode: "Mode" = "sample") -> Agent:
+    """Gives an agent for one layout.
+
+    Args:
+        name_or_path: A name of `catalogue()`; `pool/layout/agent` where pool is a folder; a policy's `.safetensors` or
+            `.json` file; or a submission: a Python file, or a folder with `agent.py`.
+        layout: The layout's name, for a custom grid its text.
+        training_seed: Which of a submission's independent training runs; others have one, whatever is given.
+        mode: Of frozen policies: "sample" draws from their distribution, "greedy" takes the likeliest action.
+
+    Raises:
+        UnknownLayout: The agent cannot play the layout; frozen ones play the one they were trained on.
+        AgentError: No such name or file (says the nearest names), or a submission's code is at fault.
+        PoolError: The pool is damaged, or has no such agent.
+        PolicyError: The policy's files are broken.
+    """
+    name, path = str(name_or_path), Path(name_or_path)
+    if name in SCRIPTED:
+        return make_scripted(name, layout)
+    if path.suffix == ".py" or (path / ENTRY).is_file():
+        return load_submission(path).make_agent(layout, training_seed)
+    if path.suffix in _POLICY_SUFFIXES:
+        from overcooked_bench.agents.policy import load_policy
+
+        return _frozen(load_policy(path), name, layout, mode)
+    parts = name.rsplit("/", 2)
+    if len(parts) == 3 and (parts[0] in shipped_pools() or (Path(parts[0]) / MANIFEST).is_file()):
+        folder = find_pool(parts[0])
+        policy = Pool(folder, read_manifest(folder)).policy(parts[1], parts[2])  # verifies this agent's files alone
+        return _frozen(policy, name, layout, mode)
+    raise AgentError(_unknown(name, path))
+
+
+def _frozen(policy: "Policy", name: str, layout: str, mode: "Mode") -> Agent:
+    trained_on = policy.architecture.layout
+    if layout != trained_on:
+        raise UnknownLayout(f"{name} was trained on {trained_on!r} and cannot play {layout!r}")
+    from overcooked_bench.agents.neural import NeuralAgent
+
+    return NeuralAgent(policy, mode)
+
+
+def _unknown(name: str, path: Path) -> str:
+    if (path / MANIFEST).is_file() or name in shipped_pools():
+        return f"{name} is a pool, not an agent; name one of its agents: {name}/<layout>/<agent>"
+    if path.is_dir():
+        return f"{path}: no {ENTRY} in this folder; a submission is a Python file, or a folder with {ENTRY}"
+    names = catalogue()
+    near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
+    hint = f"did you mean {' or '.join(map(repr, near))}? " if near else ""
+    return (
+        f"no agent named {name!r}, and no such file; {hint}Known are {', '.join(SCRIPTED)}, the frozen agents "
+        "(pool/layout/agent; `overcooked-bench list` shows them all), a .py file, or a folder with agent.py"
+    )

@@ -1,0 +1,93 @@
+"""An adapter that lets an agent of a kitchen play that kitchen's mirror image."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from overcooked_bench.agents.agent import Agent, UnknownLayout
+from overcooked_bench.kitchen.codes import ACTION_NAMES
+from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.state import KitchenState, row_major
+
+_EXCHANGED = {"east": "west", "west": "east"}
+_ACTIONS = {ACTION_NAMES.index(a): ACTION_NAMES.index(b) for a, b in _EXCHANGED.items()}
+
+
+def mirrored(agent: Agent) -> Agent:
+    """Makes an agent that plays the mirror image of every kitchen that the given one plays.
+
+    It tells the agent the mirrored layout's name (so for `cramped_room-mirrored` the plain one), shows it everything
+    reversed left to right and exchanges its east and west.
+
+    Args:
+        agent: Sees a grid or states. The 96 features cannot be mirrored: between two things at the same distance they
+            choose by column, which the features themselves do not tell.
+
+    Raises:
+        UnknownLayout: The agent sees features.
+    """
+    if agent.observation == "features":
+        raise UnknownLayout(
+            "an agent that sees 'features' cannot be shown a mirrored kitchen; grids and states can be mirrored"
+        )
+    return _Mirrored(agent)
+
+
+class _Mirrored:
+    """The adapter of `mirrored`."""
+
+    def __init__(self, agent: Agent) -> None:
+        self.observation = agent.observation
+        self._agent = agent
+        self._width = 0
+
+    def reset(self, layout: str, seats: NDArray[np.int64], seeds: NDArray[np.uint64]) -> None:
+        shown = Layout.load(layout).mirrored()
+        self._width = shown.width
+        self._agent.reset(shown.name, seats, seeds)
+
+    def act(self, observations: Any) -> ArrayLike:
+        if self.observation == "state":
+            return mirror_actions(self._agent.act([mirror_state(state, self._width) for state in observations]))
+        return mirror_actions(self._agent.act(mirror_grid(observations)))
+
+
+def mirror_grid(observations: NDArray[Any]) -> NDArray[Any]:
+    """Reverses grid observations left to right: (..., planes, H, W) of any of the four kinds, a fresh array."""
+    from overcooked_bench.kitchen.observations import CHANNELS, CHEF_CHANNELS, ONION_CHANNELS
+
+    planes = observations.shape[-3]
+    names = list(CHANNELS) if planes == len(CHANNELS) else [CHANNELS[k] for k in ONION_CHANNELS]
+    chefs = names[:CHEF_CHANNELS]
+    while len(names) < planes:  # stack_channels: the chefs of older states follow
+        names += [f"{len(names)} {chef}" for chef in chefs]
+    source = []
+    for plane, name in enumerate(names):
+        side = name.rpartition("_")[2]
+        source.append(names.index(name.removesuffix(side) + _EXCHANGED[side]) if side in _EXCHANGED else plane)
+    return np.ascontiguousarray(observations[..., source, :, ::-1])
+
+
+def mirror_state(state: KitchenState, width: int) -> KitchenState:
+    """Reverses a state left to right in a kitchen of `width` columns."""
+    first, second = (
+        replace(
+            chef,
+            position=(width - 1 - chef.position[0], chef.position[1]),
+            facing=_EXCHANGED.get(chef.facing, chef.facing),
+        )
+        for chef in state.chefs
+    )
+    objects = row_major({(width - 1 - x, y): thing for (x, y), thing in state.objects.items()})
+    return replace(state, chefs=(first, second), objects=objects)
+
+
+def mirror_actions(actions: ArrayLike) -> NDArray[Any]:
+    """Exchanges east and west; whatever else stands there is left for the caller to judge."""
+    given = np.asarray(actions)
+    exchanged = given.copy()
+    for action, other in _ACTIONS.items():
+        exchanged[given == action] = other
+    return exchanged
