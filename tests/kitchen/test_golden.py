@@ -23,7 +23,10 @@ def name(path: Path) -> str:
 
 
 def test_the_recordings_cover_both_modes_and_all_classic_layouts():
-    modes = {mode: {path.stem.rpartition("_")[0] for path in RECORDINGS if path.parent.name == mode} for mode in ("auto", "manual")}
+    modes = {
+        mode: {path.stem.rpartition("_")[0] for path in RECORDINGS if path.parent.name == mode}
+        for mode in ("auto", "manual")
+    }
     assert modes == {"auto": set(SHIPPED), "manual": set(SHIPPED)}
 
 
