@@ -31,7 +31,18 @@ _HOMES = {
 
 register_environments()
 
-__all__ = ["Chef", "KitchenState", "Kitchens", "Layout", "LayoutError", "Soup", "StepResult", "parallel_env"]
+__all__ = [
+    "Chef",
+    "KitchenState",
+    "Kitchens",
+    "Layout",
+    "LayoutError",
+    "Soup",
+    "StepResult",
+    "UnknownLayout",
+    "load_agent",
+    "parallel_env",
+]
 
 
 def __getattr__(name: str) -> Any:
