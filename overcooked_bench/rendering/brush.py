@@ -41,7 +41,9 @@ class Brush:
         self._image = Image.new("RGBA", (self._size * self._shrink,) * 2)
         self._draw = ImageDraw.Draw(self._image)
 
-    def disc(self, x: float, y: float, r: float, fill: Colour, edge: Colour | None = None, width: float = 0.025) -> None:
+    def disc(
+        self, x: float, y: float, r: float, fill: Colour, edge: Colour | None = None, width: float = 0.025
+    ) -> None:
         """Draws a circle of radius r about (x, y); the edge lies inside it."""
         self.oval(x, y, r, r, fill, edge, width)
 
@@ -83,7 +85,7 @@ class Brush:
         """Gives the picture, (size, size, 4) uint8 with size = tile + 2 margins."""
         from PIL import Image
 
-        return np.asarray(self._image.resize((self._size, self._size), Image.Resampling.BOX))
+        return np.asarray(self._image.resize((self._size, self._size), Image.Resampling.LANCZOS))
 
     def _pixel(self, x: float, y: float) -> Point:
         offset = self._margin * self._shrink

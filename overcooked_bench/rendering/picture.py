@@ -1,10 +1,8 @@
-"""The kitchen as a picture: `draw` one state, `poster` several side by side."""
+"""The kitchen as a picture."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import lru_cache
-from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +11,12 @@ from overcooked_bench.kitchen.codes import RECIPES
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.state import KitchenState, Soup
 from overcooked_bench.rendering import sprites
-from overcooked_bench.rendering.brush import Colour, font_of
+from overcooked_bench.rendering.caption import caption_height, status_line
 
 Image = NDArray[np.uint8]
 """(h, w, 3) uint8."""
 
 SMALLEST_TILE = 8
-INK: Colour = (38, 44, 50)
-PAPER: Colour = (255, 255, 255)
 
 
 def draw(
@@ -41,7 +37,7 @@ def draw(
         names: Who sits on seats 0 and 1, written in that line beside the chefs' colours.
 
     Returns:
-        (h, w, 3) uint8: h = H * tile_size (and the line's `caption_height`), w = W * tile_size.
+        (h, w, 3) uint8: h = H * tile_size, and `caption_height(tile_size)` where there is a line, w = W * tile_size.
 
     Raises:
         ValueError: The tiles are too small to draw, or the state does not fit the layout.
@@ -60,12 +56,7 @@ def draw(
         _put(image, sprites.chef(seat, chef.facing, chef.holding, tile_size), chef.position, tile_size)
     if caption is None and names is None:
         return image
-    return np.concatenate([image, _line(image.shape[1], tile_size, caption or "", names)])
-
-
-def caption_height(tile_size: int) -> int:
-    """Gives the height of the caption's line, pixels."""
-    return max(14, round(0.5 * tile_size))
+    return np.concatenate([image, status_line(image.shape[1], caption_height(tile_size), caption or "", names)])
 
 
 def _expect_inside(layout: Layout, position: tuple[int, int]) -> None:
@@ -124,70 +115,3 @@ def _put(image: Image, sprite: Image, position: tuple[int, int], tile_size: int)
     patch = image[top : top + size, left : left + size]
     opacity = sprite[..., 3:].astype(np.uint16)
     patch[:] = (sprite[..., :3] * opacity + patch * (255 - opacity) + 127) // 255
-
-
-def _line(width: int, tile_size: int, caption: str, names: tuple[str, str] | None) -> Image:
-    """Writes the line below the kitchen."""
-    from PIL import Image as Pictures
-    from PIL import ImageDraw
-
-    height = caption_height(tile_size)
-    picture = Pictures.new("RGB", (width, height), INK)
-    pen = ImageDraw.Draw(picture)
-    pad, size = ceil(height / 3), round(0.62 * height)
-    parts: list[tuple[str, Colour | None]] = [(name, c) for name, c in zip(names or (), sprites.CHEF_COLOURS, strict=False)]
-    parts += [(caption, None)] if caption else []
-    while True:
-        font = font_of(size)
-        dot = round(0.8 * size)
-        lengths = [pen.textlength(text, font) + (dot + pad // 2 if c else 0) for text, c in parts]
-        total = sum(lengths) + pad * (len(parts) + 1)
-        if total <= width or size <= 7:
-            break
-        size -= 1
-    x = float(pad)
-    for (text, colour), length in zip(parts, lengths, strict=True):
-        if colour is None and len(parts) > 1:
-            x = max(x, width - pad - length)
-        start = x
-        if colour:
-            pen.ellipse((x, (height - dot) / 2, x + dot, (height + dot) / 2), colour)
-            start += dot + pad // 2
-        pen.text((start, height / 2), text, PAPER, font, "lm")
-        x += length + pad
-    return np.array(picture)
-
-
-def poster(kitchens: Sequence[tuple[Layout, KitchenState]], *, tile_size: int = 40) -> Image:
-    """Draws several kitchens side by side, each above its name.
-
-    Args:
-        kitchens: Pairs of layout and state, from left to right.
-        tile_size: Pixels.
-
-    Returns:
-        (h, w, 3) uint8, on white.
-    """
-    gap, line = round(0.6 * tile_size), caption_height(tile_size)
-    tall = max(layout.height for layout, _ in kitchens) * tile_size
-    width = sum(layout.width * tile_size + gap for layout, _ in kitchens) - gap
-    image = np.full((tall + line, width, 3), 255, np.uint8)
-    left = 0
-    for layout, state in kitchens:
-        part = draw(layout, state, tile_size=tile_size)
-        h, w = part.shape[:2]
-        image[tall - h : tall, left : left + w] = part
-        image[tall:, left : left + w] = _title(layout.name, w, line)
-        left += w + gap
-    return image
-
-
-@lru_cache(maxsize=64)
-def _title(name: str, width: int, height: int) -> Image:
-    from PIL import Image as Pictures
-    from PIL import ImageDraw
-
-    picture = Pictures.new("RGB", (width, height), PAPER)
-    title = name.replace("_", " ") if "\n" not in name else ""
-    ImageDraw.Draw(picture).text((width / 2, 0.55 * height), title, INK, font_of(round(0.66 * height)), "mm")
-    return np.array(picture)

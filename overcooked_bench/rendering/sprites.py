@@ -55,7 +55,8 @@ ONION_SOUP: Colour = (217, 142, 44)
 TOMATO_SOUP: Colour = (205, 66, 36)
 TRACK: Colour = (24, 27, 30)
 COOKING: Colour = (255, 176, 32)
-READY: Colour = (70, 220, 110)
+READY: Colour = (96, 214, 122)
+READY_INK: Colour = (12, 98, 48)
 SKIN: Colour = (250, 212, 176)
 HAT_INK: Colour = (128, 134, 142)
 
@@ -174,7 +175,7 @@ def fixture(tile: str, tile_size: int) -> NDArray[np.uint8]:
 
 @lru_cache(maxsize=2048)
 def pot(recipe: Recipe, tick: int, cook_time: int, tile_size: int) -> NDArray[np.uint8]:
-    """Draws a pot, (tile, tile, 4) uint8.
+    """Draws a pot on its stove, (tile, tile, 4) uint8.
 
     Args:
         recipe: (onions, tomatoes), (0, 0) for an empty pot.
@@ -184,37 +185,43 @@ def pot(recipe: Recipe, tick: int, cook_time: int, tile_size: int) -> NDArray[np
     """
     brush = Brush(tile_size)
     cooking, ready = 0 <= tick < cook_time, 0 <= cook_time <= tick
-    if cooking or ready:
+    if ready:
+        brush.box(0.03, 0.03, 0.97, 0.97, READY_INK, 0.1)
+        brush.box(0.06, 0.06, 0.94, 0.94, READY, 0.08)
+    elif cooking:
         brush.disc(0.5, 0.5, 0.46, TRACK)
-        brush.arc(0.5, 0.5, 0.46, 1 if ready else tick / cook_time, READY if ready else COOKING, 0.09)
+        brush.arc(0.5, 0.5, 0.46, tick / cook_time, COOKING, 0.1)
     else:
-        brush.disc(0.5, 0.5, 0.44, STOVE_LIGHT)
-        brush.disc(0.5, 0.5, 0.41, STOVE)
-    for x in (0.09, 0.91):
+        brush.disc(0.5, 0.5, 0.42, STOVE_LIGHT)
+        brush.disc(0.5, 0.5, 0.39, STOVE)
+    for x in (0.1, 0.9):
         brush.box(x - 0.06, 0.42, x + 0.06, 0.58, POT_INK, 0.04)
         brush.box(x - 0.035, 0.445, x + 0.035, 0.555, POT, 0.03)
-    brush.disc(0.5, 0.5, 0.365, POT_INK)
-    brush.disc(0.5, 0.5, 0.34, POT)
+    brush.disc(0.5, 0.5, 0.36, POT_INK)
+    brush.disc(0.5, 0.5, 0.335, POT)
     brush.disc(0.5, 0.5, 0.285, POT_INSIDE)
     if not any(recipe):
         return brush.finish()
-    if not cooking and not ready:
-        brush.disc(0.5, 0.5, 0.27, BROTH)
-        marks(brush, 0.5, 0.5, 0.135, 0.28, recipe)
+    brush.disc(0.5, 0.5, 0.285, liquid(recipe) if cooking or ready else BROTH)
+    if cooking:
+        _remaining(brush, recipe, cook_time - tick, tile_size)
     else:
-        brush.disc(0.5, 0.5, 0.285, liquid(recipe))
-        if ready:
-            marks(brush, 0.5, 0.5, 0.135, 0.28, recipe)
-        else:
-            _small_marks(brush, recipe)
-            brush.text(0.5, 0.44, str(cook_time - tick), 0.4 if cook_time - tick < 100 else 0.3, WHITE, INK)
+        marks(brush, 0.5, 0.5, 0.135, 0.28, recipe)
+    if ready:
+        brush.disc(0.79, 0.79, 0.18, WHITE)
+        brush.disc(0.79, 0.79, 0.15, READY_INK)
+        brush.line([(0.72, 0.79), (0.77, 0.85), (0.86, 0.74)], WHITE, 0.045)
     return brush.finish()
 
 
-def _small_marks(brush: Brush, recipe: Recipe) -> None:
+def _remaining(brush: Brush, recipe: Recipe, steps: int, tile_size: int) -> None:
+    """Writes the steps to go above a small row of the ingredients; larger figures on small tiles."""
     kinds = [onion] * recipe[0] + [tomato] * recipe[1]
+    small = tile_size < 32
     for k, kind in enumerate(kinds):
-        kind(brush, 0.5 + 0.15 * (k - (len(kinds) - 1) / 2), 0.69, 0.16)
+        kind(brush, 0.5 + 0.16 * (k - (len(kinds) - 1) / 2), 0.76 if small else 0.7, 0.18)
+    size = (0.56 if small else 0.42) * (1 if steps < 100 else 0.75)
+    brush.text(0.5, 0.44, str(steps), size, WHITE, INK)
 
 
 @lru_cache(maxsize=512)
@@ -235,7 +242,7 @@ def chef(seat: int, facing: str, holding: Thing | None, tile_size: int) -> NDArr
     dark = tuple(round(0.55 * c) for c in colour)
 
     def at(forward: float, aside: float) -> tuple[float, float]:
-        forward -= 0.05
+        forward -= 0.06
         return 0.5 + forward * fx - aside * fy, 0.5 + forward * fy + aside * fx
 
     def oval(forward: float, deep: float, wide: float, fill: Colour, edge: Colour) -> None:
@@ -243,20 +250,20 @@ def chef(seat: int, facing: str, holding: Thing | None, tile_size: int) -> NDArr
 
     x, y = at(0, 0)
     brush.disc(x, y + 0.05, 0.4, (0, 0, 0, 45))
-    reach = 0.33
+    reach = 0.3
     for side in (-1, 1):
         arm = [at(0.02, 0.29 * side), at(reach, 0.2 * side)]
         brush.line(arm, dark, 0.19)
         brush.line(arm, colour, 0.13)
         brush.disc(*at(reach + 0.03, 0.19 * side), 0.09, SKIN, INK)
     oval(0, 0.27, 0.4, colour, dark)
-    brush.disc(*at(0.06, 0), 0.25, SKIN, INK)
+    brush.disc(*at(0.05, 0), 0.26, SKIN, INK)
     for side in (-1, 1):
-        brush.disc(*at(0.21, 0.1 * side), 0.045, INK)
-    brush.disc(*at(-0.03, 0), 0.25, colour, dark)
+        brush.disc(*at(0.2, 0.11 * side), 0.05, INK)
+    brush.disc(*at(-0.08, 0), 0.235, colour, dark)
     for k in range(6):
-        brush.disc(*at(-0.04 + 0.125 * cos(pi * k / 3), 0.125 * sin(pi * k / 3)), 0.11, WHITE, HAT_INK, 0.02)
-    brush.disc(*at(-0.04, 0), 0.15, WHITE)
+        brush.disc(*at(-0.09 + 0.115 * cos(pi * k / 3), 0.115 * sin(pi * k / 3)), 0.1, WHITE, HAT_INK, 0.02)
+    brush.disc(*at(-0.09, 0), 0.14, WHITE)
     if holding is not None:
-        thing(brush, *at(0.47, 0), 0.44, holding)
+        thing(brush, *at(0.45, 0), 0.42, holding)
     return brush.finish()

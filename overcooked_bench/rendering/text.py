@@ -35,8 +35,8 @@ _POT_READY: _Look = (16, 46, True)
 def film(layout: Layout, state: KitchenState, *, colour: bool = True, legend: bool = True) -> str:
     r"""Writes a kitchen as text, one line a row and three characters a tile.
 
-    A chef is seat, arrow and what is held (`1>o`); pots are `[_]` empty, `[2]` with that many ingredients, `~12` cooking
-    with that many steps to go, `[!]` ready; `<O>`, `<T>`, `<D>` hand out onions, tomatoes and dishes, `<S>` serves;
+    A chef is seat, arrow and what is held (`1>o`). Pots are `[_]` empty, `[2]` with that many ingredients, `~12` with
+    that many steps to cook, `[!]` ready. `<O>`, `<T>` and `<D>` hand out onions, tomatoes and dishes, `<S>` serves.
     `###` is a counter and `#o#` one with an onion on it (t tomato, d dish, s soup).
 
     Args:
@@ -118,7 +118,7 @@ def _legend(layout: Layout, state: KitchenState, colour: bool) -> list[str]:
         content = state.objects.get((x, y))
         if isinstance(content, Soup):
             left = remaining_steps(layout, content)
-            condition = "" if left is None else ", ready" if left == 0 else f", {left} steps to go"
+            condition = "" if left is None else ", ready" if left == 0 else f", {left} step{'s' * (left > 1)} to go"
             pots.append(f"pot ({x}, {y}): {_ingredients(content)}{condition}")
     return [*lines, "   ".join(pots) or "pots: empty"]
 
