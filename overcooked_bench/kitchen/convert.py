@@ -40,14 +40,17 @@ def read_state(batch: Batch, plan: Plan, layout: Layout, i: int) -> KitchenState
         return Soup(RECIPES[item - SOUP], time, time)
 
     objects: dict[Position, Thing] = {}
+    pots = plan.pots.tolist()
     for cell, code in enumerate(batch.cells[i].tolist()):
         if COUNTER < code < COUNTER + NUM_ITEMS:
             objects[place(cell)] = thing(code - COUNTER)
         elif code > POT_IDLE:
             recipe = pot_recipe(code)
             time = layout.cook_times[recipe]
-            left = int(batch.remaining[i, plan.pot_at[cell]])
-            objects[place(cell)] = Soup(RECIPES[recipe], time - left, time) if code > POT_COOKING else Soup(RECIPES[recipe])
+            left = int(batch.remaining[i, pots.index(cell)])
+            objects[place(cell)] = (
+                Soup(RECIPES[recipe], time - left, time) if code > POT_COOKING else Soup(RECIPES[recipe])
+            )
     chefs = [
         Chef(
             place(batch.position[i, k]),
@@ -56,7 +59,7 @@ def read_state(batch: Batch, plan: Plan, layout: Layout, i: int) -> KitchenState
         )
         for k in range(2)
     ]
-    return KitchenState((chefs[0], chefs[1]), objects, int(batch.timestep[i]), layout.orders, layout.bonus_orders)
+    return KitchenState((chefs[0], chefs[1]), objects, int(batch.clock[i]), layout.orders, layout.bonus_orders)
 
 
 def write_state(batch: Batch, plan: Plan, layout: Layout, i: int, state: KitchenState, horizon: int) -> None:
@@ -67,10 +70,15 @@ def write_state(batch: Batch, plan: Plan, layout: Layout, i: int, state: Kitchen
     Raises:
         ValueError: The state is not legal in this layout; nothing was changed then.
     """
-    cells, remaining = plan.fresh_cells.copy(), np.zeros(len(plan.pots), np.uint8)
-    for wanted, given, what in ((layout.orders, state.orders, "orders"), (layout.bonus_orders, state.bonus_orders, "bonus")):
+    cells, remaining, pots = plan.fresh.copy(), np.zeros(len(plan.pots), np.int16), plan.pots.tolist()
+    for wanted, given, what in (
+        (layout.orders, state.orders, "orders"),
+        (layout.bonus_orders, state.bonus_orders, "bonus"),
+    ):
         if given is not None and state.orders is not None and set(given) != set(wanted):
-            raise ValueError(f"the state's {what} are {sorted(given)} (onions, tomatoes), the layout's {sorted(wanted)}")
+            raise ValueError(
+                f"the state's {what} are {sorted(given)} (onions, tomatoes), the layout's {sorted(wanted)}"
+            )
     for (x, y), thing in row_major(state.objects).items():
         where = f"{_name(thing)} at ({x}, {y})"
         tile = layout.tile((x, y)) if 0 <= x < layout.width and 0 <= y < layout.height else "outside"
@@ -84,7 +92,7 @@ def write_state(batch: Batch, plan: Plan, layout: Layout, i: int, state: Kitchen
                 continue
             left = max(0, layout.cook_times[recipe] - thing.tick)
             cells[cell] = (POT_COOKING if left else POT_READY) + recipe
-            remaining[plan.pot_at[cell]] = left
+            remaining[pots.index(cell)] = left
         else:
             raise ValueError(f"{where}: things lie on counters (X) and soups in pots (P), and this is {tile!r}")
     position, facing, held = [], [], []
@@ -92,20 +100,22 @@ def write_state(batch: Batch, plan: Plan, layout: Layout, i: int, state: Kitchen
         x, y = chef.position
         cell = y * layout.width + x
         inside = 0 <= x < layout.width and 0 <= y < layout.height
-        if not inside or plan.fresh_cells[cell] != FLOOR:
+        if not inside or plan.fresh[cell] != FLOOR:
             raise ValueError(f"chef {seat} stands at ({x}, {y}), which is no floor")
         if chef.facing not in FACINGS:
             raise ValueError(f"chef {seat} faces {chef.facing!r}; directions are {', '.join(FACINGS)}")
         position.append(cell)
         facing.append(FACINGS.index(chef.facing))
-        held.append(NOTHING if chef.holding is None else _item(chef.holding, layout, f"chef {seat}'s {_name(chef.holding)}"))
+        held.append(
+            NOTHING if chef.holding is None else _item(chef.holding, layout, f"chef {seat}'s {_name(chef.holding)}")
+        )
     if position[0] == position[1]:
         raise ValueError(f"both chefs stand at {state.chefs[0].position}")
     if not 0 <= state.timestep <= horizon:
         raise ValueError(f"timestep {state.timestep}; the horizon is {horizon} steps")
     batch.cells[i], batch.remaining[i] = cells, remaining
     batch.position[i], batch.facing[i], batch.held[i] = position, facing, held
-    batch.timestep[i] = state.timestep
+    batch.clock[i] = state.timestep
 
 
 def _name(thing: Thing) -> str:

@@ -56,14 +56,14 @@ def best_reachable(soup_rewards: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 @jit
-def record_interaction(  # noqa: PLR0913
+def record_interaction(
     flags: NDArray[np.bool_],
     cell: int,
     new_cell: int,
     held: int,
     held_after: int,
-    num_pots: int,
-    num_full: int,
+    all_full: bool,
+    none_full: bool,
     other_held: int,
     useful_dish: bool,
     potential: NDArray[np.float64],
@@ -76,13 +76,13 @@ def record_interaction(  # noqa: PLR0913
         new_cell: Its code after.
         held: Code of the item in the hands before.
         held_after: Code of the item in the hands after.
-        num_pots: Number of pots.
-        num_full: Pots that were cooking, ready or idle with three ingredients when the step began.
+        all_full: Whether every pot was cooking, ready or idle with three ingredients when the step began.
+        none_full: Whether no pot was.
         other_held: What the other chef holds just now.
         useful_dish: Whether a dish taken now counts as useful.
-        potential: (10,) float64, `best_reachable`.
+        potential: float64 by recipe index, `best_reachable`.
     """
-    wanted = not (num_full == num_pots and other_held != DISH)
+    wanted = not (all_full and other_held != DISH)
     if cell >= POT_IDLE and held in (ONION, TOMATO) and held_after == NOTHING:
         tomato = held == TOMATO
         flags[(_TOMATO if tomato else _ONION) + 4] = True
@@ -117,6 +117,6 @@ def record_interaction(  # noqa: PLR0913
             flags[_TOMATO + 3] = not wanted
         elif held == DISH:
             flags[_DISH + 2] = True
-            flags[_DISH + 3] = num_full == 0 and other_held != ONION
+            flags[_DISH + 3] = none_full and other_held != ONION
         else:
             flags[_SOUP_DROP] = True

@@ -4,16 +4,27 @@ Source: overcooked_ai (`OvercookedGridworld.featurize_state`, two pot slots, cou
 section 5. The order of the soup counts is the code's, not the one of its docstring (public issue #165).
 """
 
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.kitchen.codes import DISH, FLOOR, NOTHING, ONION, POT_COOKING, POT_IDLE, POT_READY, RECIPES, SOUP, TOMATO
+from overcooked_bench.kitchen.codes import (
+    DISH,
+    FLOOR,
+    NOTHING,
+    ONION,
+    POT_COOKING,
+    POT_IDLE,
+    POT_READY,
+    RECIPES,
+    SOUP,
+    TOMATO,
+)
 from overcooked_bench.kitchen.jit import jit
 from overcooked_bench.kitchen.layout import Layout
-from overcooked_bench.kitchen.rules import FIRST_OF_THREE, Plan
-from overcooked_bench.kitchen.state import Batch
+from overcooked_bench.kitchen.rules import AHEAD, FIRST_OF_THREE, WANTED, Plan
+from overcooked_bench.kitchen.state import CELLS, FACING, HELD, POSITION
 
 NUM_FEATURES: Final = 96
 _POT_SLOTS = 2
@@ -22,60 +33,53 @@ _SOURCES = "OTDS"
 _RECIPES = np.array(RECIPES, np.int64)
 
 
-class Distances(NamedTuple):
-    """What a chef on a cell, looking in a direction, is nearest to. C cells.
+# What a chef on a cell, looking in a direction, has around it: columns of the table that `measure` makes.
+_PLACE = 0  # x and y
+_WALLS = 2  # 1 where the neighbour is no floor, by direction
+_NEAREST = 6  # dx and dy of the nearest onion, tomato, dish and serving tile; 0 where none is in reach
+_POTS = 14  # index of the nearest and next pot, -1 for none in reach; then dx and dy of both
+_COLUMNS = 20
 
-    Attributes:
-        place: (C, 2) int16  x and y
-        walls: (C, 4) uint8  1 where the neighbour is no floor
-        nearest: (C, 4, 4) int16  cell of the nearest onion, tomato, dish and serving tile, -1 for none in reach
-        pots: (C, 4, 2) int16  the nearest and next pot's index, -1 for none in reach
+
+def measure(layout: Layout, plan: Plan) -> NDArray[np.int16]:
+    """Finds the nearest things from everywhere: (C, 4, 20) int16 by cell and facing.
+
+    Distance is the number of actions of one chef alone until it faces the thing, turning towards a wall included; ties
+    go to the first in row-major order.
     """
-
-    place: NDArray[np.int16]
-    walls: NDArray[np.uint8]
-    nearest: NDArray[np.int16]
-    pots: NDArray[np.int16]
-
-
-def measure(layout: Layout, plan: Plan) -> Distances:
-    """Finds the nearest things from everywhere; ties go to the first in row-major order.
-
-    Distance is the number of actions of one chef alone until it faces the thing, turning towards a wall included.
-    """
-    cells = len(plan.fresh_cells)
-    steps = {letter: [_actions_to(plan, cell) for cell in _cells(layout, letter)] for letter in _SOURCES + "P"}
-    nearest = np.full((cells, 4, 4), -1, np.int16)
-    pots = np.full((cells, 4, _POT_SLOTS), -1, np.int16)
-    for column, letter in enumerate(_SOURCES):
-        if steps[letter]:
-            ranked = np.array(steps[letter])
-            nearest[..., column] = np.array(_cells(layout, letter))[ranked.argmin(0)]
-            nearest[..., column][ranked.min(0) == _FAR] = -1
-    ranked = np.array(steps["P"])
-    order = ranked.argsort(0, kind="stable")[:_POT_SLOTS]
-    pots[..., : len(order)] = np.moveaxis(np.where(np.take_along_axis(ranked, order, 0) == _FAR, -1, order), 0, -1)
-    return Distances(
-        place=np.array([(x, y) for y in range(layout.height) for x in range(layout.width)], np.int16),
-        walls=(plan.fresh_cells[plan.front] != FLOOR).astype(np.uint8),
-        nearest=nearest,
-        pots=pots,
-    )
+    cells = len(plan.fresh)
+    place = np.array([(x, y) for y in range(layout.height) for x in range(layout.width)])
+    table = np.zeros((cells, 4, _COLUMNS), np.int16)
+    table[..., _PLACE : _PLACE + 2] = place[:, None]
+    table[..., _WALLS : _WALLS + 4] = (plan.fresh[plan.ways[:, AHEAD : AHEAD + 4]] != FLOOR)[:, None]
+    for kind, letter in enumerate(_SOURCES):
+        targets = np.array([y * layout.width + x for x, y in layout.positions(letter)], int)
+        if len(targets):
+            steps = np.array([_actions_to(plan, cell) for cell in targets])
+            delta = place[targets[steps.argmin(0)]] - place[:, None]
+            at = _NEAREST + 2 * kind
+            table[..., at : at + 2] = np.where(steps.min(0)[..., None] < _FAR, delta, 0)
+    steps = np.array([_actions_to(plan, cell) for cell in plan.pots])
+    order = steps.argsort(0, kind="stable")
+    table[..., _POTS : _POTS + _POT_SLOTS] = -1
+    for slot in range(min(_POT_SLOTS, len(plan.pots))):
+        at = _POTS + _POT_SLOTS + 2 * slot
+        reached = np.take_along_axis(steps, order, 0)[slot] < _FAR
+        table[..., _POTS + slot] = np.where(reached, order[slot], -1)
+        table[..., at : at + 2] = place[plan.pots[order[slot]]] - place[:, None]
+    return table
 
 
 _FAR = 2**30
 
 
-def _cells(layout: Layout, letter: str) -> list[int]:
-    return [y * layout.width + x for x, y in layout.positions(letter)]
-
-
 def _actions_to(plan: Plan, goal: int) -> NDArray[np.int64]:
     """Counts the actions until a chef faces `goal`, by cell and facing: (C, 4), _FAR where it never will."""
-    is_floor = (plan.fresh_cells == FLOOR)[:, None]
-    steps = np.where(is_floor & (plan.front == goal), 0, _FAR).astype(np.int64)
+    ahead, wanted = plan.ways[:, AHEAD : AHEAD + 4], plan.ways[:, WANTED : WANTED + 4]
+    is_floor = (plan.fresh == FLOOR)[:, None]
+    steps = np.where(is_floor & (ahead == goal), 0, _FAR)
     while True:
-        after = steps[plan.target[:, :4], np.arange(4)].min(1, keepdims=True) + 1
+        after = steps[wanted, np.arange(4)].min(1, keepdims=True) + 1
         better = np.where(is_floor, np.minimum(steps, np.minimum(after, _FAR)), _FAR)
         if (better == steps).all():
             return steps
@@ -83,54 +87,69 @@ def _actions_to(plan: Plan, goal: int) -> NDArray[np.int64]:
 
 
 @jit
-def write_features(batch: Batch, plan: Plan, near: Distances, out: NDArray[np.float32]) -> None:
-    """Writes both chefs' features of N kitchens into out, (N, 2, 96) float32."""
-    for i in range(batch.cells.shape[0]):
+def write_features(
+    rows: NDArray[np.int16], pots: NDArray[np.int16], around: NDArray[np.int16], out: NDArray[np.float32]
+) -> None:
+    """Writes both chefs' features of N kitchens.
+
+    Args:
+        rows: (N, ...) int16, see `Batch`.
+        pots: (P,) int16, see `Plan`.
+        around: (C, 4, 20) int16, from `measure`.
+        out: (N, 2, 96) float32, written.
+    """
+    for i in range(rows.shape[0]):
         for viewer in range(2):
-            row = out[i, viewer]
-            for k in range(NUM_FEATURES):
-                row[k] = 0
             other = 1 - viewer
-            _write_block(batch, plan, near, i, viewer, row, 0)
-            _write_block(batch, plan, near, i, other, row, _BLOCK)
-            own_place, other_place = near.place[batch.position[i, viewer]], near.place[batch.position[i, other]]
+            for k in range(NUM_FEATURES):
+                out[i, viewer, k] = 0
+            own_place, other_place = around[rows[i, POSITION + viewer], 0], around[rows[i, POSITION + other], 0]
             for axis in range(2):
-                row[2 * _BLOCK + axis] = other_place[axis] - own_place[axis]
-                row[2 * _BLOCK + 2 + axis] = own_place[axis]
+                out[i, viewer, 2 * _BLOCK + axis] = other_place[_PLACE + axis] - own_place[_PLACE + axis]
+                out[i, viewer, 2 * _BLOCK + 2 + axis] = own_place[_PLACE + axis]
+            for block in range(2):
+                chef = other if block else viewer
+                _write_block(rows[i], pots, around, chef, out[i, viewer], block * _BLOCK)
 
 
 @jit
-def _write_block(batch: Batch, plan: Plan, near: Distances, i: int, chef: int, row: NDArray[np.float32], first: int) -> None:
-    cell, facing, held = batch.position[i, chef], batch.facing[i, chef], batch.held[i, chef]
-    row[first + facing] = 1
+def _write_block(
+    row: NDArray[np.int16],
+    pots: NDArray[np.int16],
+    around: NDArray[np.int16],
+    chef: int,
+    out: NDArray[np.float32],
+    first: int,
+) -> None:
+    held, facing = row[HELD + chef], row[FACING + chef]
+    near = around[row[POSITION + chef], facing]
+    out[first + facing] = 1
     if held != NOTHING:
-        row[first + 4 + (0 if held == ONION else 1 if held > SOUP else 2 if held == DISH else 3)] = 1
-    offsets = (8, 10, 12, 18)
-    items = (ONION, TOMATO, DISH, NOTHING)
-    for k in range(4):
-        target = near.nearest[cell, facing, k]
-        if target >= 0 and (held != items[k] or held == NOTHING):
-            for axis in range(2):
-                row[first + offsets[k] + axis] = near.place[target, axis] - near.place[cell, axis]
+        out[first + 4 + (0 if held == ONION else 1 if held > SOUP else 2 if held == DISH else 3)] = 1
+    for kind in range(4):
+        at = first + (18 if kind == 3 else 8 + 2 * kind)
+        item = ONION if kind == 0 else TOMATO if kind == 1 else DISH
+        if kind == 3 or held != item:
+            out[at] = near[_NEAREST + 2 * kind]
+            out[at + 1] = near[_NEAREST + 2 * kind + 1]
     if held > SOUP:
-        row[first + 16] = _RECIPES[held - SOUP, 0]
-        row[first + 17] = _RECIPES[held - SOUP, 1]
+        out[first + 16] = _RECIPES[held - SOUP, 0]
+        out[first + 17] = _RECIPES[held - SOUP, 1]
     for slot in range(_POT_SLOTS):
-        p = near.pots[cell, facing, slot]
+        p, at = near[_POTS + slot], first + 22 + 10 * slot
         if p < 0:
             continue
-        pot, at = plan.pots[p], first + 22 + 10 * slot
-        code = batch.cells[i, pot]
+        code = row[CELLS + pots[p]]
         recipe = code - (POT_READY if code > POT_READY else POT_COOKING if code > POT_COOKING else POT_IDLE)
-        row[at] = 1
-        row[at + 1] = code == POT_IDLE
-        row[at + 2] = code >= POT_IDLE + FIRST_OF_THREE
-        row[at + 3] = POT_COOKING < code <= POT_READY
-        row[at + 4] = code > POT_READY
-        row[at + 5] = _RECIPES[recipe, 0]
-        row[at + 6] = _RECIPES[recipe, 1]
-        row[at + 7] = batch.remaining[i, p]
-        row[at + 8] = near.place[pot, 0] - near.place[cell, 0]
-        row[at + 9] = near.place[pot, 1] - near.place[cell, 1]
+        out[at] = 1
+        out[at + 1] = code == POT_IDLE
+        out[at + 2] = code >= POT_IDLE + FIRST_OF_THREE
+        out[at + 3] = POT_COOKING < code <= POT_READY
+        out[at + 4] = code > POT_READY
+        out[at + 5] = _RECIPES[recipe, 0]
+        out[at + 6] = _RECIPES[recipe, 1]
+        out[at + 7] = row[CELLS + around.shape[0] + p]
+        out[at + 8] = near[_POTS + _POT_SLOTS + 2 * slot]
+        out[at + 9] = near[_POTS + _POT_SLOTS + 2 * slot + 1]
     for direction in range(4):
-        row[first + 22 + 10 * _POT_SLOTS + direction] = near.walls[cell, direction]
+        out[first + 22 + 10 * _POT_SLOTS + direction] = near[_WALLS + direction]

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import numba
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-DISABLED: bool = bool(numba.config.DISABLE_JIT)
+DISABLED: bool = bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
 """Whether kernels run as plain Python (NUMBA_DISABLE_JIT=1), the oracle of the tests."""
 
 
@@ -26,12 +26,12 @@ def jit(function: Function) -> Function:
     options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
     if folder is None or DISABLED:
         return numba.njit(**options)(function)  # type: ignore[no-any-return]
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(folder)  # read when the function is decorated, never later
+    before = numba.config.CACHE_DIR  # type: ignore[attr-defined]
+    numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]  # read when the function is decorated, never later
     try:
         return numba.njit(cache=True, **options)(function)  # type: ignore[no-any-return]
     finally:
-        numba.config.CACHE_DIR = before
+        numba.config.CACHE_DIR = before  # type: ignore[attr-defined]
 
 
 @cache
@@ -42,7 +42,9 @@ def _cache_folder(source: Path) -> Path | None:
     if sys.platform == "win32":
         home = os.environ.get("LOCALAPPDATA")
     else:
-        home = os.environ.get("XDG_CACHE_HOME") or (os.path.join(os.environ["HOME"], ".cache") if "HOME" in os.environ else None)
+        home = os.environ.get("XDG_CACHE_HOME") or (
+            os.path.join(os.environ["HOME"], ".cache") if "HOME" in os.environ else None
+        )
     choices = [
         os.environ.get("NUMBA_CACHE_DIR"),
         os.path.join(Path(__file__).parent, "__pycache__"),

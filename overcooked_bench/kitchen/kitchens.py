@@ -12,21 +12,18 @@ from overcooked_bench.kitchen.codes import NUM_ACTIONS
 from overcooked_bench.kitchen.convert import read_state, write_state
 from overcooked_bench.kitchen.events import EVENTS
 from overcooked_bench.kitchen.features import NUM_FEATURES, measure, write_features
-from overcooked_bench.kitchen.jit import jit
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.observations import (
     CHEF_CHANNELS,
     NUM_CHANNELS,
     ONION_CHANNELS,
-    URGENT_STEPS,
     paint_kitchen,
-    paint_urgency,
     plane_runs,
     write_chefs,
     write_views,
 )
-from overcooked_bench.kitchen.rules import Plan, compile_plan, step_kitchen
-from overcooked_bench.kitchen.starts import STARTS, start_kitchen, stream_keys
+from overcooked_bench.kitchen.rules import Plan, compile_plan, step_kitchens
+from overcooked_bench.kitchen.starts import STARTS, start_kitchens, stream_keys
 from overcooked_bench.kitchen.state import Batch, KitchenState
 
 HISTORY: Final = 3
@@ -108,20 +105,13 @@ class Kitchens:
         self.start = start
         self.object_probability = float(object_probability)
         self.autoreset = True
-        cells = len(self.plan.fresh_cells)
-        self.batch = Batch(
-            cells=np.zeros((num_kitchens, cells), np.uint8),
-            remaining=np.zeros((num_kitchens, len(self.plan.pots)), np.uint8),
-            position=np.zeros((num_kitchens, 2), np.int16),
-            facing=np.zeros((num_kitchens, 2), np.uint8),
-            held=np.zeros((num_kitchens, 2), np.uint8),
-            timestep=np.zeros(num_kitchens, np.int64),
-            stream=np.zeros((num_kitchens, 2), np.uint64),
-            image=np.zeros((num_kitchens, NUM_CHANNELS, cells), np.uint8),
-        )
-        self._near = None
+        self.batch = Batch(num_kitchens, len(self.plan.fresh), len(self.plan.pots))
+        self._around: NDArray[np.int16] | None = None
+        self._shapes: dict[str, tuple[int, ...]] = {}
         self._events = events
         self._no_events = np.zeros((num_kitchens, 0, len(EVENTS)), np.bool_)
+        plan = self.plan
+        self._tables = (plan.ways, plan.outcomes, plan.by_code, plan.payments, plan.pots)
         self._everyone = np.ones(num_kitchens, np.bool_)
         self._past = _Past(self.batch) if history else None
         self.reset()
@@ -146,7 +136,12 @@ class Kitchens:
             self.batch.stream[:, 1] = 0
         mask = self._everyone if mask is None else np.ascontiguousarray(mask, np.bool_)
         with _quiet():
-            _start_masked(self.batch, self.plan, mask, self.start == "random", self.object_probability, self.horizon)
+            batch, plan = self.batch, self.plan
+            start_kitchens(
+                *(batch.rows, batch.clock, batch.image, batch.stream, mask, plan.fresh, plan.floor, plan.allowed),
+                *(plan.standard, plan.orders, plan.pots, plan.by_code, plan.background),
+                *(self.horizon, self.start == "random", self.object_probability),
+            )
         if self._past:
             self._past.restart(self.batch, mask)
 
@@ -162,34 +157,31 @@ class Kitchens:
         Raises:
             ValueError: Actions of a wrong shape, type or range, or a kitchen that is over; nothing was played then.
         """
-        given = np.asarray(actions)
-        if given.shape != (self.num_kitchens, 2) or given.dtype.kind not in "iu":
+        n, batch = self.num_kitchens, self.batch
+        joint = np.asarray(actions)
+        if joint.shape != (n, 2) or joint.dtype.kind not in "iu":
             raise ValueError(
-                f"actions have the shape {given.shape} and the type {given.dtype}; "
-                f"give whole numbers of the shape ({self.num_kitchens}, 2)"
+                f"actions have the shape {joint.shape} and the type {joint.dtype}; give whole numbers of the shape ({n}, 2)"
             )
-        joint = np.ascontiguousarray(given, np.int64)
-        n = self.num_kitchens
-        soup_reward, partial_reward = np.empty((n, 2)), np.empty((n, 2))
-        truncated = np.empty(n, np.bool_)
+        if joint.dtype != np.int64 or not joint.flags.c_contiguous:
+            joint = np.ascontiguousarray(joint, np.int64)
+        rewards, truncated = np.empty((n, 2, 2)), np.empty(n, np.bool_)
         events = np.zeros((n, 2, len(EVENTS)), np.bool_) if self._events else self._no_events
         if self._past:
-            fault = _find_fault(self.batch, joint, self.horizon)
-            if fault < 0:
-                self._past.remember(self.batch)
-        with _quiet():
-            fault, over = _step_all(
-                *(self.batch, self.plan, joint, soup_reward, partial_reward, truncated, events),
-                self.horizon,
-            )
+            self._past.remember(batch)
+        fault, over = step_kitchens(
+            *(batch.rows, batch.clock, batch.image, *self._tables, self.horizon, joint, rewards, truncated, events)
+        )
         if fault >= 0:
             self._raise_fault(fault, joint)
-        if self.autoreset and over:
+        if self._past:
+            self._past.advance()
+        if over and self.autoreset:
             self.reset(mask=truncated)
-        return StepResult(soup_reward, partial_reward, truncated, events if self._events else None)
+        return StepResult(rewards[:, 0], rewards[:, 1], truncated, events if self._events else None)
 
     def _raise_fault(self, kitchen: int, actions: NDArray[np.int64]) -> None:
-        if self.batch.timestep[kitchen] >= self.horizon:
+        if self.batch.clock[kitchen] >= self.horizon:
             raise ValueError(f"kitchen {kitchen} is over after {self.horizon} steps; call reset() before step()")
         chef = 0 if not 0 <= actions[kitchen, 0] < NUM_ACTIONS else 1
         raise ValueError(
@@ -210,30 +202,32 @@ class Kitchens:
         Raises:
             ValueError: An unknown name, "lossless" where tomatoes are, a stack without history, a wrong `out`.
         """
-        shape = (self.num_kitchens, 2, *self.observation_shape(name))
-        dtype = np.float32 if name == "features" else np.uint8
+        if name not in self._shapes:
+            self._shapes[name] = (self.num_kitchens, 2, *self.observation_shape(name))
+        shape, dtype = self._shapes[name], np.float32 if name == "features" else np.uint8
         if out is None:
             out = np.empty(shape, dtype)
         elif out.shape != shape or out.dtype != dtype or not out.flags.c_contiguous:
             raise ValueError(f"out is {out.dtype} {out.shape}; {name!r} needs a contiguous {np.dtype(dtype)} {shape}")
         batch = self.batch
         if name == "features":
-            if self._near is None:
-                self._near = measure(self.layout, self.plan)
-            write_features(batch, self.plan, self._near, out)
+            if self._around is None:
+                self._around = measure(self.layout, self.plan)
+            write_features(batch.rows, self.plan.pots, self._around, out)
             return out
-        views = out.reshape(self.num_kitchens, 2, -1, len(self.plan.fresh_cells))
+        views = out.reshape(self.num_kitchens, 2, -1)
         runs = _LOSSLESS26 if name == "lossless26" else _LOSSLESS
-        write_views(batch.image, batch.position, batch.facing, runs, views, 0)
+        write_views(batch.rows, batch.image, runs, views, 0)
         if name in STACKED:
             assert self._past is not None
+            cells = len(self.plan.fresh)
             if name == "stack_channels":
-                views[:, :, _ONION_PLANES:] = 0
-            for age, (image, position, facing) in enumerate(self._past.newest_first(), start=1):
+                views[:, :, _ONION_PLANES * cells :] = 0
+            for age, (rows, image) in enumerate(self._past.newest_first(), start=1):
                 if name == "stack_states":
-                    write_views(image, position, facing, runs, views, age * _ONION_PLANES)
+                    write_views(rows, image, runs, views, age * _ONION_PLANES)
                 else:
-                    write_chefs(position, facing, views, _ONION_PLANES + (age - 1) * CHEF_CHANNELS)
+                    write_chefs(rows, cells, views, _ONION_PLANES + (age - 1) * CHEF_CHANNELS)
         return out
 
     def observation_shape(self, name: str) -> tuple[int, ...]:
@@ -263,11 +257,9 @@ class Kitchens:
             ValueError: The state is not legal here; names the chef or the cell. The kitchen is unchanged then.
         """
         write_state(self.batch, self.plan, self.layout, i, state, self.horizon)
-        paint_kitchen(
-            *(self.batch.image[i], self.batch.cells[i], self.batch.remaining[i], self.batch.position[i]),
-            *(self.batch.held[i], self.horizon - state.timestep),
-            *(self.plan.background, self.plan.pot_at, self.plan.paint),
-        )
+        plan, batch = self.plan, self.batch
+        left = self.horizon - state.timestep
+        paint_kitchen(batch.image[i], batch.rows[i], left, plan.background, plan.by_code, plan.pots)
         if self._past:
             mask = np.zeros(self.num_kitchens, np.bool_)
             mask[i] = True
@@ -275,72 +267,26 @@ class Kitchens:
 
 
 class _Past:
-    """The last three states' images and chefs, in a ring that all kitchens share."""
+    """The last three states' rows and images, in a ring that all kitchens share, with room for the next one."""
 
     def __init__(self, batch: Batch) -> None:
-        self._ring = [(batch.image.copy(), batch.position.copy(), batch.facing.copy()) for _ in range(HISTORY)]
-        self._oldest = 0
+        self._ring = [(batch.rows.copy(), batch.image.copy()) for _ in range(HISTORY + 1)]
+        self._next = 0
 
     def remember(self, batch: Batch) -> None:
-        image, position, facing = self._ring[self._oldest]
-        image[...], position[...], facing[...] = batch.image, batch.position, batch.facing
-        self._oldest = (self._oldest + 1) % HISTORY
+        """Keeps the present; it becomes the newest past with `advance`."""
+        rows, image = self._ring[self._next]
+        rows[...], image[...] = batch.rows, batch.image
+
+    def advance(self) -> None:
+        self._next = (self._next + 1) % len(self._ring)
 
     def restart(self, batch: Batch, mask: NDArray[np.bool_]) -> None:
-        for image, position, facing in self._ring:
-            image[mask], position[mask], facing[mask] = batch.image[mask], batch.position[mask], batch.facing[mask]
+        for rows, image in self._ring:
+            rows[mask], image[mask] = batch.rows[mask], batch.image[mask]
 
-    def newest_first(self) -> list[tuple[NDArray[np.uint8], NDArray[np.int16], NDArray[np.uint8]]]:
-        return [self._ring[(self._oldest - age) % HISTORY] for age in range(1, HISTORY + 1)]
-
-
-@jit
-def _find_fault(batch: Batch, actions: NDArray[np.int64], horizon: int) -> int:
-    """Gives the first kitchen that cannot be stepped, or -1."""
-    for i in range(actions.shape[0]):
-        if batch.timestep[i] >= horizon:
-            return i
-        for chef in range(2):
-            if actions[i, chef] < 0 or actions[i, chef] >= NUM_ACTIONS:
-                return i
-    return -1
-
-
-@jit
-def _step_all(
-    batch: Batch,
-    plan: Plan,
-    actions: NDArray[np.int64],
-    soup_reward: NDArray[np.float64],
-    partial_reward: NDArray[np.float64],
-    truncated: NDArray[np.bool_],
-    events: NDArray[np.bool_],
-    horizon: int,
-) -> tuple[int, int]:
-    """Steps every kitchen; gives the first that cannot be stepped, or -1, and how many are over now.
-
-    Where one cannot be stepped, nothing was done.
-    """
-    fault, over = _find_fault(batch, actions, horizon), 0
-    if fault >= 0:
-        return fault, over
-    for i in range(actions.shape[0]):
-        step_kitchen(batch, plan, i, actions[i], soup_reward[i], partial_reward[i], events[i])
-        left = horizon - batch.timestep[i]
-        truncated[i] = left <= 0
-        over += left <= 0
-        if left == URGENT_STEPS - 1:
-            paint_urgency(batch.image[i])
-    return -1, over
-
-
-@jit
-def _start_masked(
-    batch: Batch, plan: Plan, mask: NDArray[np.bool_], random: bool, object_probability: float, horizon: int
-) -> None:
-    for i in range(mask.shape[0]):
-        if mask[i]:
-            start_kitchen(batch, plan, i, random, object_probability, horizon)
+    def newest_first(self) -> list[tuple[NDArray[np.int16], NDArray[np.uint8]]]:
+        return [self._ring[self._next - age] for age in range(1, HISTORY + 1)]
 
 
 def _quiet() -> AbstractContextManager[Any]:

@@ -122,7 +122,9 @@ class Layout:
         if text.endswith(MIRRORED):
             return cls.load(text.removesuffix(MIRRORED)).mirrored()
         if text in layout_names():
-            return cls._from_file(files("overcooked_bench.kitchen.layouts").joinpath(f"{text}.layout").read_text(), text)
+            return cls._from_file(
+                files("overcooked_bench.kitchen.layouts").joinpath(f"{text}.layout").read_text(), text
+            )
         if Path(text).is_file():
             return cls._from_file(Path(text).read_text(), None)
         near = difflib.get_close_matches(text, layout_names(), n=1, cutoff=0.4)
@@ -271,7 +273,9 @@ class Layout:
             raise LayoutError(f"the grid has no {what}; put one in reach of the floor")
         if not any(self._reached(cell) for cell in cells):
             x, y = cells[0]
-            raise LayoutError(f"row {y + 1}, column {x + 1}: no floor cell lies beside the {what}, so no chef reaches it")
+            raise LayoutError(
+                f"row {y + 1}, column {x + 1}: no floor cell lies beside the {what}, so no chef reaches it"
+            )
 
 
 def layout_names() -> tuple[str, ...]:
@@ -301,7 +305,9 @@ def _parse_grid(grid: str) -> tuple[tuple[str, ...], tuple[Position, ...]]:
         for x, tile in enumerate(line):
             where = f"row {y + 1}, column {x + 1}: "
             if tile not in TILES and tile not in "12":
-                raise LayoutError(f"{where}unknown tile {tile!r}; tiles are X P O T D S, space for floor, 1 and 2 for chefs")
+                raise LayoutError(
+                    f"{where}unknown tile {tile!r}; tiles are X P O T D S, space for floor, 1 and 2 for chefs"
+                )
             edge = x in (0, width - 1) or y in (0, len(lines) - 1)
             if edge and tile in " 12":
                 raise LayoutError(f"{where}floor on the border; close it with a counter (X)")

@@ -13,6 +13,7 @@ from overcooked_bench.kitchen import codes
 from overcooked_bench.kitchen.codes import COUNTER, NOTHING, POT_COOKING, POT_READY, RECIPES, SOUP, TILES
 from overcooked_bench.kitchen.jit import jit
 from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.state import CELLS, FACING, HELD, POSITION
 
 CHANNELS: Final = (
     *("own_position", "other_position"),
@@ -39,12 +40,12 @@ ONION_CHANNELS: Final = tuple(k for k, name in enumerate(CHANNELS) if "tomato" n
 
 
 def background(layout: Layout) -> NDArray[np.uint8]:
-    """Draws the empty kitchen: (26, C) uint8, with the tile channels set and all others 0."""
+    """Draws the empty kitchen: (26 * C,) uint8, with the tile channels set and all others 0."""
     image = np.zeros((NUM_CHANNELS, layout.width * layout.height), np.uint8)
     for channel, tile in enumerate("PXOTDS", start=FIRST_TILE):
         for x, y in layout.positions(tile):
             image[channel, y * layout.width + x] = 1
-    return image
+    return image.reshape(-1)
 
 
 def paint_table() -> NDArray[np.uint8]:
@@ -63,86 +64,90 @@ def paint_table() -> NDArray[np.uint8]:
 
 
 @jit
-def paint_cell(image: NDArray[np.uint8], cell: int, code: int, remaining: int, paint: NDArray[np.uint8]) -> None:
-    """Draws what lies in one cell into a kitchen's image, (26, C) uint8."""
+def paint_cell(
+    picture: NDArray[np.uint8], num_cells: int, cell: int, code: int, remaining: int, by_code: NDArray[np.uint8]
+) -> None:
+    """Draws what lies in one cell into a kitchen's image, (26 * C,) uint8; `by_code` as in `Plan`."""
+    at = FIRST_OBJECT * num_cells + cell
     for k in range(NUM_OBJECT_CHANNELS):
-        image[FIRST_OBJECT + k, cell] = paint[code, k]
-    image[REMAINING, cell] = remaining
+        picture[at] = by_code[code, k]
+        at += num_cells
+    picture[REMAINING * num_cells + cell] = remaining
+
+
+@jit
+def paint_urgency(picture: NDArray[np.uint8], num_cells: int) -> None:
+    """Fills the urgency plane of a kitchen's image, (26 * C,) uint8."""
+    for cell in range(num_cells):
+        picture[URGENCY * num_cells + cell] = 1
 
 
 @jit
 def paint_kitchen(
-    image: NDArray[np.uint8],
-    cells: NDArray[np.uint8],
-    remaining: NDArray[np.uint8],
-    position: NDArray[np.int16],
-    held: NDArray[np.uint8],
+    picture: NDArray[np.uint8],
+    row: NDArray[np.int16],
     steps_left: int,
     background: NDArray[np.uint8],
-    pot_at: NDArray[np.int16],
-    paint: NDArray[np.uint8],
+    by_code: NDArray[np.uint8],
+    pots: NDArray[np.int16],
 ) -> None:
-    """Draws a whole kitchen's image, (26, C) uint8, anew."""
-    for channel in range(NUM_CHANNELS):
-        for cell in range(cells.shape[0]):
-            image[channel, cell] = background[channel, cell]
-    for cell in range(cells.shape[0]):
-        pot = pot_at[cell]
-        paint_cell(image, cell, cells[cell], remaining[pot] if pot >= 0 else 0, paint)
+    """Draws a whole kitchen's image, (26 * C,) uint8, anew; `row` as in `Batch`, tables as in `Plan`."""
+    num_cells = background.shape[0] // NUM_CHANNELS
+    for k in range(background.shape[0]):
+        picture[k] = background[k]
+    for cell in range(num_cells):
+        paint_cell(picture, num_cells, cell, row[CELLS + cell], 0, by_code)
+    for p in range(pots.shape[0]):
+        picture[REMAINING * num_cells + pots[p]] = row[CELLS + num_cells + p]
     for chef in range(2):
-        if held[chef] != NOTHING:
-            paint_cell(image, position[chef], COUNTER + held[chef], 0, paint)
+        if row[HELD + chef] != NOTHING:
+            paint_cell(picture, num_cells, row[POSITION + chef], COUNTER + row[HELD + chef], 0, by_code)
     if steps_left < URGENT_STEPS:
-        paint_urgency(image)
-
-
-@jit
-def paint_urgency(image: NDArray[np.uint8]) -> None:
-    """Fills the urgency plane of a kitchen's image, (26, C) uint8."""
-    for cell in range(image.shape[1]):
-        image[URGENCY, cell] = 1
+        paint_urgency(picture, num_cells)
 
 
 @jit
 def write_views(
-    image: NDArray[np.uint8],
-    position: NDArray[np.int16],
-    facing: NDArray[np.uint8],
-    runs: NDArray[np.int64],
-    out: NDArray[np.uint8],
-    first: int,
+    rows: NDArray[np.int16], image: NDArray[np.uint8], runs: NDArray[np.int64], out: NDArray[np.uint8], first: int
 ) -> None:
     """Copies whole planes of N kitchens to both chefs' views and marks the chefs.
 
     Args:
-        image: (N, 26, C) uint8.
-        position: (N, 2) int16.
-        facing: (N, 2) uint8.
+        rows: (N, ...) int16, see `Batch`.
+        image: (N, 26 * C) uint8.
         runs: (R, 3) int64, runs of planes to copy: first plane of the image, first plane of the view, how many.
-        out: (N, 2, planes, C) uint8, written; view k is chef k's.
+        out: (N, 2, planes * C) uint8, written; view k is chef k's.
         first: Plane of the views to begin at.
     """
-    cells = image.shape[2]
-    flat, views = image.reshape(image.shape[0], -1), out.reshape(out.shape[0], 2, -1)
+    num_cells = image.shape[1] // NUM_CHANNELS
     for i in range(image.shape[0]):
-        for run in range(runs.shape[0]):
-            start, to, size = runs[run, 0] * cells, (first + runs[run, 1]) * cells, runs[run, 2] * cells
-            for k in range(size):
-                views[i, 0, to + k] = flat[i, start + k]
-            for k in range(size):
-                views[i, 1, to + k] = flat[i, start + k]
-        mark_chefs(position[i], facing[i], out[i], first)
+        for viewer in range(2):
+            for run in range(runs.shape[0]):
+                size = runs[run, 2] * num_cells
+                source = image[i][runs[run, 0] * num_cells :]
+                view = out[i, viewer][(first + runs[run, 1]) * num_cells :]
+                for k in range(size):
+                    view[k] = source[k]
+        mark_chefs(rows[i], num_cells, out[i], first)
 
 
 @jit
-def mark_chefs(position: NDArray[np.int16], facing: NDArray[np.uint8], views: NDArray[np.uint8], first: int) -> None:
-    """Sets the ten chef channels of one kitchen, from plane `first` on, in both views (2, planes, C); zeros elsewhere."""
+def write_chefs(rows: NDArray[np.int16], num_cells: int, out: NDArray[np.uint8], first: int) -> None:
+    """Marks the chefs of N kitchens in ten empty planes of both views, from plane `first` on; out (N, 2, planes * C)."""
+    for i in range(out.shape[0]):
+        mark_chefs(rows[i], num_cells, out[i], first)
+
+
+@jit
+def mark_chefs(row: NDArray[np.int16], num_cells: int, views: NDArray[np.uint8], first: int) -> None:
+    """Sets the ten chef channels of one kitchen in both views, (2, planes * C), over zeros from plane `first` on."""
     for viewer in range(2):
-        own, other = position[viewer], position[1 - viewer]
-        views[viewer, first, own] = 1
-        views[viewer, first + 1, other] = 1
-        views[viewer, first + 2 + facing[viewer], own] = 1
-        views[viewer, first + 6 + facing[1 - viewer], other] = 1
+        other = 1 - viewer
+        own_cell, other_cell = row[POSITION + viewer], row[POSITION + other]
+        views[viewer, first * num_cells + own_cell] = 1
+        views[viewer, (first + 1) * num_cells + other_cell] = 1
+        views[viewer, (first + 2 + row[FACING + viewer]) * num_cells + own_cell] = 1
+        views[viewer, (first + 6 + row[FACING + other]) * num_cells + other_cell] = 1
 
 
 def plane_runs(channels: tuple[int, ...]) -> NDArray[np.int64]:
@@ -154,10 +159,3 @@ def plane_runs(channels: tuple[int, ...]) -> NDArray[np.int64]:
         else:
             runs.append([channel, to, 1])
     return np.array(runs, np.int64)
-
-
-@jit
-def write_chefs(position: NDArray[np.int16], facing: NDArray[np.uint8], out: NDArray[np.uint8], first: int) -> None:
-    """Marks the chefs of N kitchens in ten empty planes of both views, from plane `first` on; out (N, 2, planes, C)."""
-    for i in range(out.shape[0]):
-        mark_chefs(position[i], facing[i], out[i], first)

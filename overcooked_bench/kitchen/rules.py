@@ -1,6 +1,6 @@
 """The rules of the game, written once: what an interaction does, who moves, how pots cook, what is paid.
 
-`interact` and `POT_*` tables are plain Python run once a kitchen; `step_kitchen` is the compiled step that reads them.
+`interact` is plain Python, run once to fill a table; `step_kitchens` is the compiled step that reads it.
 
 Source: overcooked_ai 1.1.0 and 2.0.0 (`OvercookedGridworld.get_state_transition`), told in kitchen-spec sections 2 and 3.
 """
@@ -36,8 +36,8 @@ from overcooked_bench.kitchen.codes import (
 from overcooked_bench.kitchen.events import best_reachable, record_interaction
 from overcooked_bench.kitchen.jit import jit
 from overcooked_bench.kitchen.layout import Layout
-from overcooked_bench.kitchen.observations import background, paint_cell, paint_table
-from overcooked_bench.kitchen.state import Batch
+from overcooked_bench.kitchen.observations import URGENT_STEPS, background, paint_cell, paint_table, paint_urgency
+from overcooked_bench.kitchen.state import CELLS, FACING, HELD, POSITION
 
 COOKING_MODES: Final = ("auto", "manual")
 
@@ -54,46 +54,43 @@ _ITEM_BITS, _CELL_BITS = 4, 6
 _ITEM_MASK, _CELL_MASK = (1 << _ITEM_BITS) - 1, (1 << _CELL_BITS) - 1
 
 
+# Columns of `Plan.ways`: the cell ahead by facing, the wanted cell by action.
+AHEAD: Final = 0
+WANTED: Final = 4
+# Columns of `Plan.by_code`: channels 16 to 24 of the image, then what a pot does by itself.
+PAINT: Final = 0
+STARTS_ITSELF: Final = 9
+COOK_TIME: Final = 10
+
+
 class Plan(NamedTuple):
-    """A layout and a cooking mode compiled to tables. C cells in row-major order, P pots, F floor cells.
+    """A layout and a cooking mode compiled to tables. C cells in row-major order, P pots, F floor cells, K orders.
 
     Attributes:
-        front: (C, 4) int16  cell that a chef at this cell sees, by facing
-        target: (C, 6) int16  cell that a chef at this cell wants with this action
-        outcomes: (64, 16) uint16  by faced cell code and held item: new cell code, new held item and what was done
-        soup_rewards: (16,) float64  points for serving this held item
-        cook_times: (10,) uint8  steps by recipe index
-        starts_itself: (64,) bool  pots that begin to cook at the end of a step without a hand
+        ways: (C, 10) int16  for a floor cell: the cell ahead by facing (4), the wanted cell by action (6)
+        outcomes: (64, 16) int16  by faced cell code and held item: new cell code, new held item and what was done
+        by_code: (64, 11) uint8  by cell code: channels 16 to 24, whether a pot starts by itself, its cook time
+        payments: (2, 16) float64  points for serving a held item; best payment reachable from a pot's recipe index
         pots: (P,) int16  cells
-        pot_at: (C,) int16  which pot is at a cell, -1 elsewhere
-        fresh_cells: (C,) uint8  cell codes of the empty kitchen
-        floor: (F,) int16  cells
-        region: (F,) int16  region of each floor cell
+        fresh: (C,) int16  cell codes of the empty kitchen
+        floor: (F, 2) int16  cell and region of each floor cell
         allowed: (R, R) bool  whether a random start may put chef 0 in one region and chef 1 in the other
         standard: (2,) int16  standard start cells, -1 where the layout names none
-        order_ids: (K,) uint8  recipe indices of the orders
-        background: (26, C) uint8  lossless encoding of the empty kitchen without chefs
-        paint: (64, 9) uint8  channels 16 to 24 of a cell by its code
-        potential: (10,) float64  best payment reachable from each recipe index by adding ingredients
+        orders: (K, 3) int16  recipe index, onions and tomatoes of the orders
+        background: (26 * C,) uint8  lossless encoding of the empty kitchen without chefs
     """
 
-    front: NDArray[np.int16]
-    target: NDArray[np.int16]
-    outcomes: NDArray[np.uint16]
-    soup_rewards: NDArray[np.float64]
-    cook_times: NDArray[np.uint8]
-    starts_itself: NDArray[np.bool_]
+    ways: NDArray[np.int16]
+    outcomes: NDArray[np.int16]
+    by_code: NDArray[np.uint8]
+    payments: NDArray[np.float64]
     pots: NDArray[np.int16]
-    pot_at: NDArray[np.int16]
-    fresh_cells: NDArray[np.uint8]
+    fresh: NDArray[np.int16]
     floor: NDArray[np.int16]
-    region: NDArray[np.int16]
     allowed: NDArray[np.bool_]
     standard: NDArray[np.int16]
-    order_ids: NDArray[np.uint8]
+    orders: NDArray[np.int16]
     background: NDArray[np.uint8]
-    paint: NDArray[np.uint8]
-    potential: NDArray[np.float64]
 
 
 def interact(cell: int, held: int, cooking: str) -> tuple[int, int, int]:
@@ -143,63 +140,54 @@ def compile_plan(layout: Layout, cooking: str) -> Plan:
             "(onions, tomatoes), can never be cooked; use cooking='manual' or orders of three"
         )
     width, cells = layout.width, layout.width * layout.height
-    fresh = np.array([codes.TILES[tile] for row in layout.rows for tile in row], np.uint8)
-    front = np.zeros((cells, 4), np.int16)
-    target = np.repeat(np.arange(cells, dtype=np.int16)[:, None], codes.NUM_ACTIONS, axis=1)
+    fresh = np.array([codes.TILES[tile] for row in layout.rows for tile in row], np.int16)
+    ways = np.zeros((cells, 10), np.int16)
     for x, y in layout.positions(" "):
+        cell = y * width + x
+        ways[cell, WANTED:] = cell
         for direction, (dx, dy) in enumerate(codes.DIRECTIONS):
-            cell, ahead = y * width + x, (y + dy) * width + x + dx
-            front[cell, direction] = ahead
-            if fresh[ahead] == codes.FLOOR:
-                target[cell, direction] = ahead
-    outcomes = np.zeros((1 << _CELL_BITS, 1 << _ITEM_BITS), np.uint16)
+            ahead = (y + dy) * width + x + dx
+            ways[cell, AHEAD + direction] = ahead
+            if fresh[ahead] == FLOOR:
+                ways[cell, WANTED + direction] = ahead
+    outcomes = np.zeros((1 << _CELL_BITS, 1 << _ITEM_BITS), np.int16)
     for cell in range(NUM_CELL_CODES):
         for held in range(NUM_ITEMS):
             new_cell, new_held, done = interact(cell, held, cooking)
             outcomes[cell, held] = new_cell | new_held << _CELL_BITS | done << (_CELL_BITS + _ITEM_BITS)
-    starts_itself = np.zeros(1 << _CELL_BITS, np.bool_)
-    if cooking == "auto":
-        for index, recipe in enumerate(RECIPES):
-            starts_itself[POT_IDLE + index] = sum(recipe) == MAX_INGREDIENTS
-    rewards = np.zeros(1 << _ITEM_BITS)
-    rewards[SOUP : SOUP + len(RECIPES)] = layout.soup_rewards
-    pots = np.flatnonzero(fresh >= POT_IDLE).astype(np.int16)
-    pot_at = np.full(cells, -1, np.int16)
-    pot_at[pots] = np.arange(len(pots))
-    floor = layout.positions(" ")
+    by_code = np.zeros((1 << _CELL_BITS, COOK_TIME + 1), np.uint8)
+    by_code[:, PAINT:STARTS_ITSELF] = paint_table()
+    for index, recipe in enumerate(RECIPES[1:], start=1):
+        by_code[POT_IDLE + index, COOK_TIME] = layout.cook_times[index]
+        by_code[POT_IDLE + index, STARTS_ITSELF] = cooking == "auto" and sum(recipe) == MAX_INGREDIENTS
+    payments = np.zeros((2, 1 << _ITEM_BITS))
+    payments[0, SOUP : SOUP + len(RECIPES)] = layout.soup_rewards
+    payments[1, : len(RECIPES)] = best_reachable(np.array(layout.soup_rewards))
     regions = max(layout.regions.values()) + 1
     allowed = np.zeros((regions, regions), np.bool_)
     for a, b in layout.start_regions:
         allowed[a, b] = True
     return Plan(
-        front=front,
-        target=target,
+        ways=ways,
         outcomes=outcomes,
-        soup_rewards=rewards,
-        cook_times=np.array(layout.cook_times, np.uint8),
-        starts_itself=starts_itself,
-        pots=pots,
-        pot_at=pot_at,
-        fresh_cells=fresh,
-        floor=np.array([y * width + x for x, y in floor], np.int16),
-        region=np.array([layout.regions[cell] for cell in floor], np.int16),
+        by_code=by_code,
+        payments=payments,
+        pots=np.flatnonzero(fresh >= POT_IDLE).astype(np.int16),
+        fresh=fresh,
+        floor=np.array([(y * width + x, region) for (x, y), region in layout.regions.items()], np.int16),
         allowed=allowed,
         standard=np.array([y * width + x for x, y in layout.start_cells] or [-1, -1], np.int16),
-        order_ids=np.array([RECIPES.index(order) for order in layout.orders], np.uint8),
+        orders=np.array([(RECIPES.index(order), *order) for order in layout.orders], np.int16),
         background=background(layout),
-        paint=paint_table(),
-        potential=best_reachable(np.array(layout.soup_rewards)),
     )
 
 
 @jit
-def count_pots(
-    cells: NDArray[np.uint8], pots: NDArray[np.int16], changed: int, code_before: int
-) -> tuple[int, int]:
+def count_pots(row: NDArray[np.int16], pots: NDArray[np.int16], changed: int, code_before: int) -> tuple[int, int]:
     """Counts the pots as they were when the step began.
 
     Args:
-        cells: (C,) uint8, as they are now.
+        row: The kitchen as it is now.
         pots: (P,) int16.
         changed: Cell that the other chef has just changed in this step, -1 for none.
         code_before: Its code before.
@@ -210,7 +198,7 @@ def count_pots(
     """
     full, wanting = 0, 0
     for p in range(pots.shape[0]):
-        code = code_before if pots[p] == changed else cells[pots[p]]
+        code = code_before if pots[p] == changed else row[CELLS + pots[p]]
         if code > POT_COOKING:
             full += 1
             wanting += 1
@@ -222,113 +210,156 @@ def count_pots(
 
 
 @jit
-def dish_is_useful(cells: NDArray[np.uint8], held: NDArray[np.uint8], wanting: int) -> bool:
+def dish_is_useful(row: NDArray[np.int16], num_cells: int, wanting: int) -> bool:
     """Tells whether taking a dish is rewarded: none on a counter, fewer in hands than pots that want one.
 
     Source: overcooked_ai (`is_dish_pickup_useful`); counters and hands are read live, pots at the start of the step.
     """
-    in_hands = int(held[0] == DISH) + int(held[1] == DISH)
-    if in_hands >= wanting:
+    if int(row[HELD] == DISH) + int(row[HELD + 1] == DISH) >= wanting:
         return False
-    for cell in range(cells.shape[0]):
-        if cells[cell] == COUNTER + DISH:
+    for cell in range(num_cells):
+        if row[CELLS + cell] == COUNTER + DISH:
             return False
     return True
 
 
 @jit
-def step_kitchen(
-    batch: Batch,
-    plan: Plan,
-    i: int,
+def step_kitchens(
+    rows: NDArray[np.int16],
+    clock: NDArray[np.int64],
+    image: NDArray[np.uint8],
+    ways: NDArray[np.int16],
+    outcomes: NDArray[np.int16],
+    by_code: NDArray[np.uint8],
+    payments: NDArray[np.float64],
+    pots: NDArray[np.int16],
+    horizon: int,
     actions: NDArray[np.int64],
-    soup_reward: NDArray[np.float64],
-    partial_reward: NDArray[np.float64],
+    rewards: NDArray[np.float64],
+    truncated: NDArray[np.bool_],
     events: NDArray[np.bool_],
-) -> None:
-    """Plays one joint action in kitchen i: interactions of chef 0, then of chef 1, then both move, then the pots cook.
+) -> tuple[int, int]:
+    """Plays one joint action in each of N kitchens: chef 0 interacts, then chef 1, both move, then the pots cook.
 
     Args:
-        batch: N kitchens, changed in place.
-        plan: Their layout's tables.
-        i: Which kitchen.
-        actions: (2,) ints from 0 to 5.
-        soup_reward: (2,) float64, written: points of each chef's delivery.
-        partial_reward: (2,) float64, written: each chef's partial rewards.
-        events: (2, 25) bool, written; (0, 25) where they are not wanted.
+        rows: The batch, changed in place, with `clock` and `image`.
+        clock: See `Batch`.
+        image: See `Batch`.
+        ways: The layout's tables, see `Plan`, with `outcomes`, `by_code`, `payments` and `pots`.
+        outcomes: See `Plan`.
+        by_code: See `Plan`.
+        payments: See `Plan`.
+        pots: See `Plan`.
+        horizon: Steps of an episode.
+        actions: (N, 2) ints.
+        rewards: (N, 2, 2) float64, written: [:, 0] points of each chef's delivery, [:, 1] each chef's partial rewards.
+        truncated: (N,) bool, written.
+        events: (N, 2, 25) bool of zeros, written; (N, 0, 25) where they are not wanted.
+
+    Returns:
+        The first kitchen that cannot be stepped, or -1, and how many kitchens are over now. Where one cannot be
+        stepped (a wrong action, or it is over), nothing was done.
     """
-    cells, held, image = batch.cells[i], batch.held[i], batch.image[i]
-    position, facing, remaining = batch.position[i], batch.facing[i], batch.remaining[i]
-    before_0, before_1 = held[0], held[1]
-    changed, code_before = -1, 0
-    for chef in range(2):
-        soup_reward[chef] = 0.0
-        partial_reward[chef] = 0.0
-        if actions[chef] == INTERACT:
-            front = plan.front[position[chef], facing[chef]]
-            code, item = cells[front], held[chef]
-            outcome = plan.outcomes[code, item]
+    for i in range(rows.shape[0]):
+        a, b = actions[i, 0], actions[i, 1]
+        if clock[i] >= horizon or a < 0 or a > INTERACT or b < 0 or b > INTERACT:
+            return i, 0
+    num_cells, num_pots, over = ways.shape[0], pots.shape[0], 0
+    for i in range(rows.shape[0]):
+        row, picture = rows[i], image[i]
+        held_0, held_1 = row[HELD], row[HELD + 1]
+        changed, code_before = -1, 0
+        for chef in range(2):
+            rewards[i, 0, chef] = 0.0
+            rewards[i, 1, chef] = 0.0
+            if actions[i, chef] != INTERACT:
+                continue
+            ahead = ways[row[POSITION + chef], AHEAD + row[FACING + chef]]
+            code, item = row[CELLS + ahead], row[HELD + chef]
+            outcome = outcomes[code, item]
             new_code, new_item = outcome & _CELL_MASK, (outcome >> _CELL_BITS) & _ITEM_MASK
             done = outcome >> (_CELL_BITS + _ITEM_BITS)
-            if events.shape[0]:
-                full, wanting = count_pots(cells, plan.pots, changed, code_before)
-                useful = new_item == DISH and dish_is_useful(cells, held, wanting)
+            if events.shape[1] > 0 and outcome != code | item << _CELL_BITS:
+                full, wanting = count_pots(row, pots, changed, code_before)
+                useful = new_item == DISH and dish_is_useful(row, num_cells, wanting)
                 record_interaction(
-                    *(events[chef], code, new_code, item, new_item, plan.pots.shape[0], full),
-                    *(held[1 - chef], useful, plan.potential),
+                    *(events[i, chef], code, new_code, item, new_item, full == num_pots, full == 0),
+                    *(row[HELD + 1 - chef], useful, payments[1]),
                 )
             if done & POTTED:
-                partial_reward[chef] = POTTING_REWARD
+                rewards[i, 1, chef] = POTTING_REWARD
             elif done & PLATED:
-                partial_reward[chef] = PLATING_REWARD
+                rewards[i, 1, chef] = PLATING_REWARD
             elif done & SERVED:
-                soup_reward[chef] = plan.soup_rewards[item]
+                rewards[i, 0, chef] = payments[0, item]
             elif done & TOOK_DISH:
-                full, wanting = count_pots(cells, plan.pots, changed, code_before)
-                if dish_is_useful(cells, held, wanting):
-                    partial_reward[chef] = USEFUL_DISH_REWARD
+                full, wanting = count_pots(row, pots, changed, code_before)
+                if dish_is_useful(row, num_cells, wanting):
+                    rewards[i, 1, chef] = USEFUL_DISH_REWARD
             elif done & STARTED:
-                remaining[plan.pot_at[front]] = plan.cook_times[code - POT_IDLE]
-            cells[front] = new_code
-            held[chef] = new_item
+                for p in range(num_pots):
+                    if pots[p] == ahead:
+                        row[CELLS + num_cells + p] = by_code[code, COOK_TIME]
+            row[HELD + chef] = new_item
             if new_code != code:
-                paint_cell(image, front, new_code, 0, plan.paint)
+                row[CELLS + ahead] = new_code
+                paint_cell(picture, num_cells, ahead, new_code, 0, by_code)
                 if chef == 0:
-                    changed, code_before = front, code
-    _move(batch, plan, i, actions, before_0, before_1)
-    for p in range(plan.pots.shape[0]):
-        pot = plan.pots[p]
-        code = cells[pot]
-        if plan.starts_itself[code]:
-            remaining[p] = plan.cook_times[code - POT_IDLE]
-            code += POT_COOKING - POT_IDLE
-            cells[pot] = code
-        if POT_COOKING < code <= POT_READY:
-            remaining[p] -= 1
-            if remaining[p] == 0:
-                code += POT_READY - POT_COOKING
-                cells[pot] = code
-            paint_cell(image, pot, code, remaining[p], plan.paint)
-    batch.timestep[i] += 1
+                    changed, code_before = ahead, code
+        _move(row, picture, num_cells, ways, by_code, actions[i, 0], actions[i, 1], held_0, held_1)
+        for p in range(num_pots):
+            code = row[CELLS + pots[p]]
+            if by_code[code, STARTS_ITSELF]:
+                row[CELLS + num_cells + p] = by_code[code, COOK_TIME]
+                code += POT_COOKING - POT_IDLE
+                row[CELLS + pots[p]] = code
+            if POT_COOKING < code <= POT_READY:
+                left = row[CELLS + num_cells + p] - 1
+                row[CELLS + num_cells + p] = left
+                if left == 0:
+                    code += POT_READY - POT_COOKING
+                    row[CELLS + pots[p]] = code
+                paint_cell(picture, num_cells, pots[p], code, left, by_code)
+        clock[i] += 1
+        steps_left = horizon - clock[i]
+        truncated[i] = steps_left <= 0
+        if steps_left <= 0:
+            over += 1
+        if steps_left == URGENT_STEPS - 1:
+            paint_urgency(picture, num_cells)
+    return -1, over
 
 
 @jit
-def _move(batch: Batch, plan: Plan, i: int, actions: NDArray[np.int64], before_0: int, before_1: int) -> None:
-    """Moves both chefs at once; a collision or a swap keeps both where they are, but everybody turns."""
-    position, facing, held, image = batch.position[i], batch.facing[i], batch.held[i], batch.image[i]
-    old_0, old_1 = position[0], position[1]
-    new_0, new_1 = plan.target[old_0, actions[0]], plan.target[old_1, actions[1]]
+def _move(
+    row: NDArray[np.int16],
+    picture: NDArray[np.uint8],
+    num_cells: int,
+    ways: NDArray[np.int16],
+    by_code: NDArray[np.uint8],
+    action_0: int,
+    action_1: int,
+    held_0: int,
+    held_1: int,
+) -> None:
+    """Moves both chefs at once; a collision or a swap keeps both where they are, but everybody turns.
+
+    `held_0` and `held_1` are what was in the hands before this step, still drawn where the chefs stood.
+    """
+    old_0, old_1 = row[POSITION], row[POSITION + 1]
+    new_0, new_1 = ways[old_0, WANTED + action_0], ways[old_1, WANTED + action_1]
     if new_0 == new_1 or (new_0 == old_1 and new_1 == old_0):
         new_0, new_1 = old_0, old_1
-    position[0], position[1] = new_0, new_1
-    for chef in range(2):
-        if actions[chef] < STAY:
-            facing[chef] = actions[chef]
-    if before_0:
-        paint_cell(image, old_0, FLOOR, 0, plan.paint)
-    if before_1:
-        paint_cell(image, old_1, FLOOR, 0, plan.paint)
-    if held[0]:
-        paint_cell(image, new_0, COUNTER + held[0], 0, plan.paint)
-    if held[1]:
-        paint_cell(image, new_1, COUNTER + held[1], 0, plan.paint)
+    row[POSITION], row[POSITION + 1] = new_0, new_1
+    if action_0 < STAY:
+        row[FACING] = action_0
+    if action_1 < STAY:
+        row[FACING + 1] = action_1
+    if held_0 != NOTHING:
+        paint_cell(picture, num_cells, old_0, FLOOR, 0, by_code)
+    if held_1 != NOTHING:
+        paint_cell(picture, num_cells, old_1, FLOOR, 0, by_code)
+    if row[HELD] != NOTHING:
+        paint_cell(picture, num_cells, new_0, COUNTER + row[HELD], 0, by_code)
+    if row[HELD + 1] != NOTHING:
+        paint_cell(picture, num_cells, new_1, COUNTER + row[HELD + 1], 0, by_code)

@@ -9,11 +9,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.kitchen.codes import DISH, NORTH, NOTHING, ONION, POT_COOKING, POT_IDLE, POT_READY, RECIPES, SOUP, TOMATO
+from overcooked_bench.kitchen.codes import DISH, ONION, POT_COOKING, POT_IDLE, POT_READY, RECIPES, SOUP, TOMATO
 from overcooked_bench.kitchen.jit import jit
 from overcooked_bench.kitchen.observations import paint_kitchen
-from overcooked_bench.kitchen.rules import FIRST_OF_THREE, Plan
-from overcooked_bench.kitchen.state import Batch
+from overcooked_bench.kitchen.rules import COOK_TIME, FIRST_OF_THREE
+from overcooked_bench.kitchen.state import CELLS, HELD, POSITION
 
 STARTS: Final = ("random", "standard")
 
@@ -61,79 +61,106 @@ def draw(stream: NDArray[np.uint64], below: int) -> int:
 
 
 @jit
-def start_kitchen(batch: Batch, plan: Plan, i: int, random: bool, object_probability: float, horizon: int) -> None:
-    """Puts kitchen i into a start state; chefs look north.
+def start_kitchens(
+    rows: NDArray[np.int16],
+    clock: NDArray[np.int64],
+    image: NDArray[np.uint8],
+    stream: NDArray[np.uint64],
+    mask: NDArray[np.bool_],
+    fresh: NDArray[np.int16],
+    floor: NDArray[np.int16],
+    allowed: NDArray[np.bool_],
+    standard: NDArray[np.int16],
+    orders: NDArray[np.int16],
+    pots: NDArray[np.int16],
+    by_code: NDArray[np.uint8],
+    background: NDArray[np.uint8],
+    horizon: int,
+    random: bool,
+    object_probability: float,
+) -> None:
+    """Puts the kitchens of a mask into start states; chefs look north.
 
     Args:
-        batch: N kitchens, changed in place.
-        plan: Their layout's tables.
-        i: Which kitchen.
+        rows: The batch, changed in place, with `clock`, `image` and `stream`; see `Batch`.
+        clock: See `Batch`.
+        image: See `Batch`.
+        stream: See `Batch`.
+        mask: (N,) bool.
+        fresh: The layout's tables, see `Plan`, with the seven that follow.
+        floor: See `Plan`.
+        allowed: See `Plan`.
+        standard: See `Plan`.
+        orders: See `Plan`.
+        pots: See `Plan`.
+        by_code: See `Plan`.
+        background: See `Plan`.
+        horizon: Steps of an episode, for the urgency plane.
         random: Whether the start cells are drawn: uniform over the ordered pairs of distinct floor cells whose regions
             `Layout.start_regions` allows.
         object_probability: Chance of each pot and each pair of hands to be filled from the orders.
-        horizon: Steps of an episode, for the urgency plane.
     """
-    cells, position, held, stream = batch.cells[i], batch.position[i], batch.held[i], batch.stream[i]
-    for cell in range(cells.shape[0]):  # a slice assignment would take seconds to compile
-        cells[cell] = plan.fresh_cells[cell]
-    for p in range(plan.pots.shape[0]):
-        batch.remaining[i, p] = 0
-    for chef in range(2):
-        batch.facing[i, chef] = NORTH
-        held[chef] = NOTHING
-    batch.timestep[i] = 0
-    if random:
-        a, b = 0, 0
-        while a == b or not plan.allowed[plan.region[a], plan.region[b]]:
-            a, b = draw(stream, plan.floor.shape[0]), draw(stream, plan.floor.shape[0])
-        position[0], position[1] = plan.floor[a], plan.floor[b]
-    else:
-        position[0], position[1] = plan.standard[0], plan.standard[1]
-    if object_probability > 0:
-        _fill(batch, plan, i, object_probability)
-    paint_kitchen(
-        *(batch.image[i], cells, batch.remaining[i], position, held, horizon),
-        *(plan.background, plan.pot_at, plan.paint),
-    )
+    num_floor = floor.shape[0]
+    for i in range(mask.shape[0]):
+        if not mask[i]:
+            continue
+        row = rows[i]
+        for k in range(row.shape[0]):
+            row[k] = 0  # which is facing north, empty-handed, nothing cooking
+        for cell in range(fresh.shape[0]):
+            row[CELLS + cell] = fresh[cell]
+        clock[i] = 0
+        if random:
+            a, b = 0, 0
+            while a == b or not allowed[floor[a, 1], floor[b, 1]]:
+                a, b = draw(stream[i], num_floor), draw(stream[i], num_floor)
+            row[POSITION], row[POSITION + 1] = floor[a, 0], floor[b, 0]
+        else:
+            row[POSITION], row[POSITION + 1] = standard[0], standard[1]
+        if object_probability > 0:
+            _fill(row, stream[i], int(object_probability * 2**31), fresh.shape[0], orders, pots, by_code)
+        paint_kitchen(image[i], row, horizon, background, by_code, pots)
 
 
 @jit
-def _fill(batch: Batch, plan: Plan, i: int, probability: float) -> None:
+def _fill(
+    row: NDArray[np.int16],
+    stream: NDArray[np.uint64],
+    threshold: int,
+    num_cells: int,
+    orders: NDArray[np.int16],
+    pots: NDArray[np.int16],
+    by_code: NDArray[np.uint8],
+) -> None:
     """Fills pots and hands with what the orders use.
 
     A pot gets one ingredient up to a whole random order; a whole one is anywhere between just started and ready.
     """
-    cells, held, stream = batch.cells[i], batch.held[i], batch.stream[i]
-    threshold = int(probability * 2**31)
-    for p in range(plan.pots.shape[0]):
+    for p in range(pots.shape[0]):
         if draw(stream, 2**31) >= threshold:
             continue
-        recipe = plan.order_ids[draw(stream, plan.order_ids.shape[0])]
-        total = _RECIPES[recipe, 0] + _RECIPES[recipe, 1]
+        order = draw(stream, orders.shape[0])
+        recipe, total = orders[order, 0], orders[order, 1] + orders[order, 2]
         taken = 1 + draw(stream, total)
         if taken == total:
-            left = draw(stream, plan.cook_times[recipe] + 1)
-            cells[plan.pots[p]] = (POT_COOKING if left else POT_READY) + recipe
-            batch.remaining[i, p] = left
-        else:
-            onions, tomatoes, left = 0, 0, _RECIPES[recipe, 0]
-            for k in range(taken):
-                if draw(stream, total - k) < left - onions:
-                    onions += 1
-                else:
-                    tomatoes += 1
-            for k in range(FIRST_OF_THREE):
-                if _RECIPES[k, 0] == onions and _RECIPES[k, 1] == tomatoes:
-                    cells[plan.pots[p]] = POT_IDLE + k
+            left = draw(stream, by_code[POT_IDLE + recipe, COOK_TIME] + 1)
+            row[CELLS + pots[p]] = (POT_COOKING if left > 0 else POT_READY) + recipe
+            row[CELLS + num_cells + p] = left
+            continue
+        onions = 0
+        for k in range(taken):
+            if draw(stream, total - k) < orders[order, 1] - onions:
+                onions += 1
+        for k in range(FIRST_OF_THREE):
+            if _RECIPES[k, 0] == onions and _RECIPES[k, 1] == taken - onions:
+                row[CELLS + pots[p]] = POT_IDLE + k
     for chef in range(2):
         if draw(stream, 2**31) >= threshold:
             continue
-        recipe = plan.order_ids[draw(stream, plan.order_ids.shape[0])]
-        kind = draw(stream, 100)
+        order, kind = draw(stream, orders.shape[0]), draw(stream, 100)
         if kind < _PERCENT_DISH:
-            held[chef] = DISH
+            row[HELD + chef] = DISH
         elif kind < _PERCENT_DISH + _PERCENT_INGREDIENT:
-            total = _RECIPES[recipe, 0] + _RECIPES[recipe, 1]
-            held[chef] = ONION if draw(stream, total) < _RECIPES[recipe, 0] else TOMATO
+            row[HELD + chef] = ONION if draw(stream, orders[order, 1] + orders[order, 2]) < orders[order, 1] else TOMATO
         else:
-            held[chef] = SOUP + recipe
+            row[HELD + chef] = SOUP + orders[order, 0]

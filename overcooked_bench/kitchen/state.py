@@ -1,40 +1,50 @@
-"""What a kitchen is at one moment: `Batch`, N kitchens as a struct of arrays, and `KitchenState`, one in readable form."""
+"""What a kitchen is at one moment: `Batch`, N kitchens as arrays, and `KitchenState`, one in readable form."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.kitchen.codes import DIRECTIONS, MAX_INGREDIENTS, Position, Recipe
 
+# Columns of a kitchen's row; the cells follow in row-major order, then the remaining steps of the pots.
+POSITION: Final = 0  # + chef: cell that the chef stands on
+FACING: Final = 2  # + chef: direction the chef looks
+HELD: Final = 4  # + chef: item in the hands
+CELLS: Final = 6  # + cell: code of the cell, tile and content together (codes.py)
 
-class Batch(NamedTuple):
-    """N kitchens of one layout; C cells in row-major order, P pots.
 
-    `image` follows from the rest: it is kept up to date cell by cell, because drawing it anew for each observation
-    would cost more than the step.
+class Batch:
+    """N kitchens of one layout; C cells, P pots.
+
+    All that a step changes lies in one row of small numbers a kitchen, since every further array costs a call of a
+    compiled kernel more than the work in it; the named attributes are views into the rows.
 
     Attributes:
-        cells: (N, C) uint8  code of each cell, tile and content together (codes.py)
-        remaining: (N, P) uint8  steps until a cooking pot is ready, 0 for other pots
-        position: (N, 2) int16  cell that each chef stands on
-        facing: (N, 2) uint8  direction each chef looks
-        held: (N, 2) uint8  item in each chef's hands
-        timestep: (N,) int64  steps since the start
+        rows: (N, 6 + C + P) int16  chefs, cells and pots
+        clock: (N,) int64  steps since the start
+        image: (N, 26 * C) uint8  lossless encoding, channel by channel, with the chefs' own channels 0 to 9 left empty;
+            it follows from the rest, and is kept up to date cell by cell
         stream: (N, 2) uint64  key of the kitchen's random stream, numbers drawn from it so far
-        image: (N, 26, C) uint8  lossless encoding with the chefs' own channels 0 to 9 left empty
+        position: (N, 2) int16  cell that each chef stands on
+        facing: (N, 2) int16  direction each chef looks
+        held: (N, 2) int16  item in each chef's hands
+        cells: (N, C) int16  code of each cell
+        remaining: (N, P) int16  steps until a cooking pot is ready, 0 for other pots
     """
 
-    cells: NDArray[np.uint8]
-    remaining: NDArray[np.uint8]
-    position: NDArray[np.int16]
-    facing: NDArray[np.uint8]
-    held: NDArray[np.uint8]
-    timestep: NDArray[np.int64]
-    stream: NDArray[np.uint64]
-    image: NDArray[np.uint8]
+    def __init__(self, num_kitchens: int, num_cells: int, num_pots: int) -> None:
+        self.rows: NDArray[np.int16] = np.zeros((num_kitchens, CELLS + num_cells + num_pots), np.int16)
+        self.clock: NDArray[np.int64] = np.zeros(num_kitchens, np.int64)
+        self.image: NDArray[np.uint8] = np.zeros((num_kitchens, 26 * num_cells), np.uint8)
+        self.stream: NDArray[np.uint64] = np.zeros((num_kitchens, 2), np.uint64)
+        self.position = self.rows[:, POSITION:FACING]
+        self.facing = self.rows[:, FACING:HELD]
+        self.held = self.rows[:, HELD:CELLS]
+        self.cells = self.rows[:, CELLS : CELLS + num_cells]
+        self.remaining = self.rows[:, CELLS + num_cells :]
 
 
 FACINGS = ("north", "south", "east", "west")
