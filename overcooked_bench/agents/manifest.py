@@ -68,8 +68,8 @@ class PoolFiles(_Record, frozen=True, kw_only=True):
     architecture: HashedFile
 
 
-class PoolAgent(_Record, frozen=True, kw_only=True):
-    """One agent of a pool.
+class AgentRecord(_Record, frozen=True, kw_only=True):
+    """How an agent of a pool came to be.
 
     Attributes:
         name: Unique on its layout.
@@ -83,7 +83,6 @@ class PoolAgent(_Record, frozen=True, kw_only=True):
         cooking: Cooking mode it was trained under.
         mode: How its actions are chosen.
         self_play: Its return with itself.
-        files: Where it lies; `write_manifest` fills this in.
     """
 
     name: str
@@ -97,7 +96,16 @@ class PoolAgent(_Record, frozen=True, kw_only=True):
     cooking: Literal["auto", "manual"]
     mode: Literal["sample", "greedy"]
     self_play: SelfPlay
-    files: PoolFiles | None = None
+
+
+class PoolAgent(AgentRecord, frozen=True, kw_only=True):
+    """One agent of a pool.
+
+    Attributes:
+        files: Where it lies.
+    """
+
+    files: PoolFiles
 
 
 class Manifest(_Record, frozen=True, kw_only=True):
@@ -145,7 +153,7 @@ def read_manifest(folder: Path) -> Manifest:
 def write_manifest(
     folder: str | Path,
     name: str,
-    agents: Sequence[PoolAgent],
+    agents: Sequence[AgentRecord],
     cooking: Literal["auto", "manual"] = "auto",
     mode: Literal["sample", "greedy"] = "sample",
 ) -> Manifest:
@@ -154,7 +162,7 @@ def write_manifest(
     Args:
         folder: The pool's; each agent's pair of files already lies at `<layout>/<name>`.
         name: The pool's name.
-        agents: The entries; their `files` are filled in here.
+        agents: The entries without their files.
         cooking: Cooking mode of all agents.
         mode: How all agents' actions are chosen.
 
@@ -166,21 +174,7 @@ def write_manifest(
     """
     folder = Path(folder)
 
-    def hashed(agent: PoolAgent, suffix: str) -> HashedFile:
-        path = f"{agent.layout}/{agent.name}{suffix}"
-        try:
-            return HashedFile(path=path, sha256=_sha256((folder / path).read_bytes()))
-        except OSError as error:
-            raise PoolError(
-                f"pool {name!r}, agent {agent.layout}/{agent.name}: {folder / path}: {error.strerror}"
-            ) from None
-
-    entries = tuple(
-        msgspec.structs.replace(
-            agent, files=PoolFiles(weights=hashed(agent, ".safetensors"), architecture=hashed(agent, ".json"))
-        )
-        for agent in sorted(agents, key=lambda agent: (agent.layout, agent.name))
-    )
+    entries = tuple(_with_files(agent, folder) for agent in sorted(agents, key=_order))
     manifest = Manifest(format=FORMAT, name=name, cooking=cooking, mode=mode, hash="", agents=entries)
     try:  # as it will be read: an int in a float's place would be hashed differently
         manifest = msgspec.json.decode(msgspec.json.encode(manifest), type=Manifest)
@@ -197,7 +191,7 @@ def write_manifest(
 
 def pool_hash(manifest: Manifest) -> str:
     """Computes the pool's SHA-256: of the manifest without its hash, agents sorted by layout and name, keys sorted."""
-    agents = tuple(sorted(manifest.agents, key=lambda agent: (agent.layout, agent.name)))
+    agents = tuple(sorted(manifest.agents, key=_order))
     return _sha256(msgspec.json.encode(msgspec.structs.replace(manifest, hash="", agents=agents), order="sorted"))
 
 
@@ -212,7 +206,7 @@ def _check(manifest: Manifest, file: Path) -> None:
     for name, times in names.items():
         if times > 1:
             raise PoolError(f"{file}: {times} agents are named {name}; give each its own name")
-    weights = {f"{agent.layout}/{agent.name}": agent.files.weights.sha256 for agent in manifest.agents if agent.files}
+    weights = {f"{agent.layout}/{agent.name}": agent.files.weights.sha256 for agent in manifest.agents}
     twice = [sha256 for sha256, times in Counter(weights.values()).items() if times > 1]
     if twice:
         same = sorted(name for name, sha256 in weights.items() if sha256 in twice)
@@ -232,8 +226,6 @@ def _check_entry(manifest: Manifest, agent: PoolAgent, file: Path) -> None:
             f"{which}: cooking {agent.cooking!r} and mode {agent.mode!r} in a pool of {manifest.cooking!r} and "
             f"{manifest.mode!r}; make one pool of each"
         )
-    if agent.files is None:
-        raise PoolError(f"{which}: no files are named; write the manifest with write_manifest")
     for said, suffix in ((agent.files.weights.path, ".safetensors"), (agent.files.architecture.path, ".json")):
         expected = f"{agent.layout}/{agent.name}{suffix}"
         if said != expected:
@@ -248,7 +240,6 @@ def check_files(folder: Path, manifest: Manifest, agent: PoolAgent) -> None:
     Raises:
         PoolError: One is missing, changed, or a link out of the folder.
     """
-    assert agent.files is not None  # `_check_entry` saw to it
     home = folder.resolve()
     for file in (agent.files.weights, agent.files.architecture):
         path = folder / file.path
@@ -286,6 +277,22 @@ def check_policy(folder: Path, manifest: Manifest, agent: PoolAgent) -> "Policy"
             f"the manifest {agent.layout!r} and {agent.cooking!r}; correct the manifest's entry"
         )
     return policy
+
+
+def _with_files(agent: AgentRecord, folder: Path) -> PoolAgent:
+    def hashed(suffix: str) -> HashedFile:
+        path = f"{agent.layout}/{agent.name}{suffix}"
+        try:
+            return HashedFile(path=path, sha256=_sha256((folder / path).read_bytes()))
+        except OSError as error:
+            raise PoolError(f"agent {agent.layout}/{agent.name}: {folder / path}: {error.strerror}") from None
+
+    given = {name: getattr(agent, name) for name in AgentRecord.__struct_fields__}
+    return PoolAgent(**given, files=PoolFiles(weights=hashed(".safetensors"), architecture=hashed(".json")))
+
+
+def _order(agent: AgentRecord) -> tuple[str, str]:
+    return agent.layout, agent.name
 
 
 def _which(manifest: Manifest, agent: PoolAgent) -> str:

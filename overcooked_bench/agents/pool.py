@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from overcooked_bench.agents.manifest import (
     MANIFEST,
+    AgentRecord,
     HashedFile,
     Manifest,
     PoolAgent,
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from overcooked_bench.agents.policy import Policy
 
 __all__ = [
+    "AgentRecord",
     "HashedFile",
     "Manifest",
     "Pool",

@@ -1,0 +1,24 @@
+"""Small policies for the tests of agents."""
+
+import numpy as np
+
+from overcooked_bench.agents.policy import Mlp, Policy, PolicyFiles, load_policy, save_policy
+
+
+def small_mlp(layout="cramped_room", shape=(22, 4, 5), **others):
+    settings = {"observation": "lossless", "cooking": "auto", "hidden": (8, 5), "activation": "relu", **others}
+    return Mlp(layout=layout, observation_shape=shape, **settings)
+
+
+def random_weights(architecture, seed):
+    rng = np.random.default_rng(seed)
+    return {name: rng.normal(0, 0.1, shape) for name, shape in architecture.tensor_shapes().items()}
+
+
+def write_policy(stem, seed=0, **settings) -> PolicyFiles:
+    architecture = small_mlp(**settings)
+    return save_policy(stem, architecture, random_weights(architecture, seed))
+
+
+def make_policy(folder, seed=0, **settings) -> Policy:
+    return load_policy(write_policy(folder / f"policy-{seed}", seed, **settings).weights)
