@@ -1,0 +1,100 @@
+"""`Entrant`: who is scored."""
+
+import hashlib
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from overcooked_bench.agents.agent import Agent
+from overcooked_bench.agents.submission import ENTRY, Submission, load_submission
+
+if TYPE_CHECKING:
+    from overcooked_bench.agents.policy import Policy
+
+
+class Entrant(NamedTuple):
+    """An agent to be scored.
+
+    Attributes:
+        reference: Catalogue name or absolute path, for `agent_maker`.
+        name: What tables and folders call it.
+        sha256: Hash of what it is: a frozen policy's weights, a submission's files, a scripted agent's name.
+        training_seeds: Independent training runs, S.
+        layout: The only layout that it knows, or None.
+    """
+
+    reference: str
+    name: str
+    sha256: str
+    training_seeds: int = 1
+    layout: str | None = None
+
+
+def identify(agent: str | Path) -> Entrant:
+    """Finds an agent and says what it is, without playing it.
+
+    Args:
+        agent: A catalogue name, `pool/layout/agent`, or the path of a submission or of a policy's file.
+
+    Raises:
+        AgentError: No such agent, or a submission that cannot be loaded.
+        PoolError: A damaged pool.
+        PolicyError: A damaged policy.
+    """
+    from overcooked_bench.agents.catalogue import load_agent
+    from overcooked_bench.agents.scripted import SCRIPTED
+
+    name, path = str(agent), Path(agent)
+    if name in SCRIPTED:
+        return Entrant(name, name, scripted_hash(name))
+    if is_submission(path):
+        submission = load_submission(path)
+        return Entrant(str(path.absolute()), submission.name, submission.sha256, submission.training_seeds)
+    policy = _frozen(name)
+    if policy is None:
+        load_agent(name, "")  # says why there is no such agent
+        raise AssertionError(f"{name} was loaded after all")
+    reference = str(path.absolute()) if path.parent.is_dir() else name
+    return Entrant(reference, name.replace("/", "-"), policy.sha256, layout=policy.architecture.layout)
+
+
+def agent_maker(reference: str, mode: str) -> Callable[[str, int], Agent]:
+    """Gives `make(layout, training_seed)`, which makes the agent anew.
+
+    A submission is imported once a process and its `make_agent` called for every block, so that no block depends on what
+    was played before.
+    """
+    if is_submission(Path(reference)):
+        return _submission(reference).make_agent
+    from overcooked_bench.agents.catalogue import load_agent
+
+    return lambda layout, training_seed: load_agent(reference, layout, training_seed, mode)  # type: ignore[arg-type]
+
+
+def scripted_hash(name: str) -> str:
+    """Gives what stands for a scripted agent where others have a hash of their weights."""
+    return hashlib.sha256(f"scripted/{name}".encode()).hexdigest()
+
+
+def is_submission(path: Path) -> bool:
+    """Tells whether a path looks like a submission: a Python file, or a folder with `agent.py`."""
+    return path.suffix == ".py" or (path / ENTRY).is_file()
+
+
+@lru_cache(maxsize=1)
+def _submission(path: str) -> Submission:
+    return load_submission(path)
+
+
+def _frozen(name: str) -> "Policy | None":
+    from overcooked_bench.agents.policy import load_policy
+    from overcooked_bench.agents.pool import MANIFEST, Pool, find_pool, read_manifest, shipped_pools
+
+    if name.endswith((".safetensors", ".json")):
+        return load_policy(name)
+    parts = name.rsplit("/", 2)
+    if len(parts) < 3 or not (parts[0] in shipped_pools() or (Path(parts[0]) / MANIFEST).is_file()):
+        return None
+    folder = find_pool(parts[0])
+    return Pool(folder, read_manifest(folder)).policy(parts[1], parts[2])

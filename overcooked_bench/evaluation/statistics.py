@@ -1,0 +1,214 @@
+"""Estimates and their intervals. What varies is a training run, not an episode: seeds are the unit wherever there are two.
+
+Axes: S training seeds, P partners, E episode indices.
+"""
+
+from collections.abc import Sequence
+from math import ceil
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+CONFIDENCE: Final = 0.95
+LOW_QUANTILE: Final = 0.15
+"""The quantile over training seeds, and the share of partners in the tail.
+
+Source: the thesis, 7.2: the 0.15-quantile of the ordered outcomes.
+"""
+
+UNDECIDED: Final = 2.0
+"""A partner nearer to a threshold than so many standard errors is on neither side of it for certain."""
+
+
+class Interval(NamedTuple):
+    """An estimate with its 95 % interval.
+
+    Attributes:
+        value: The estimate.
+        low: Lower end, None where the data give none.
+        high: Upper end, None where the data give none.
+    """
+
+    value: float
+    low: float | None
+    high: float | None
+
+
+def t_interval(values: ArrayLike, lowest: float = -np.inf, highest: float = np.inf) -> Interval:
+    """Gives the mean of independent values with Student's t interval.
+
+    Args:
+        values: (n,) one number for each independent repetition: a training run, or an episode block of one run.
+        lowest: The interval is clipped here, where nothing lower is possible.
+        highest: And here.
+
+    Returns:
+        Both ends None where n < 2.
+    """
+    given = np.asarray(values, np.float64)
+    mean = float(given.mean())
+    if len(given) < 2:
+        return Interval(mean, None, None)
+    half = _t(len(given) - 1) * float(given.std(ddof=1)) / len(given) ** 0.5
+    return Interval(mean, float(max(lowest, mean - half)), float(min(highest, mean + half)))
+
+
+def combined(strata: Sequence[ArrayLike]) -> Interval:
+    """Gives the equal-weight mean of the means of independent strata (layouts), with Satterthwaite's t interval.
+
+    Args:
+        strata: One (n,) array each, as for `t_interval`.
+
+    Returns:
+        Both ends None where a stratum has fewer than two values.
+
+    Source: Satterthwaite 1946; layouts are strata because their training runs are not paired.
+    """
+    groups = [np.asarray(values, np.float64) for values in strata]
+    mean = float(np.mean([values.mean() for values in groups]))
+    if min(len(values) for values in groups) < 2:
+        return Interval(mean, None, None)
+    parts = np.array([values.var(ddof=1) / len(values) for values in groups]) / len(groups) ** 2
+    total = float(parts.sum())
+    if not total:
+        return Interval(mean, mean, mean)
+    freedom = total**2 / float(sum(part**2 / (len(v) - 1) for part, v in zip(parts, groups, strict=True)))
+    half = _t(freedom) * total**0.5
+    return Interval(mean, mean - half, mean + half)
+
+
+class Threshold(NamedTuple):
+    """How many partners reach a level.
+
+    Attributes:
+        count: Partners with a mean of at least the level, averaged over training seeds; with its interval.
+        undecided: Partners whose mean lies within two standard errors of the level.
+    """
+
+    count: Interval
+    undecided: int
+
+
+def threshold(returns: ArrayLike, level: float) -> Threshold:
+    """Counts the partners that reach a level.
+
+    With two training seeds or more the interval is t over the seeds' counts, clipped to what is possible. With one it runs
+    from the partners that reach the level for certain to those that may, by two standard errors over episodes.
+
+    Args:
+        returns: (S, P, E) returns, averaged over seats.
+        level: In the unit of the returns.
+    """
+    given = np.asarray(returns, np.float64)
+    seeds, partners, episodes = given.shape
+    means = given.mean(axis=2)
+    counts = (means >= level).sum(axis=1)
+    middle = means.mean(axis=0)
+    samples, n = (means.T, seeds) if seeds > 1 else (given[0], episodes)
+    errors = samples.std(axis=1, ddof=1) / n**0.5 if n > 1 else np.full(partners, np.inf)
+    undecided = np.abs(middle - level) < UNDECIDED * errors
+    if seeds > 1:
+        return Threshold(t_interval(counts, 0, partners), int(undecided.sum()))
+    certain = float(((middle >= level) & ~undecided).sum())
+    return Threshold(Interval(float(counts[0]), certain, certain + float(undecided.sum())), int(undecided.sum()))
+
+
+def ordered(means: ArrayLike) -> NDArray[np.float64]:
+    """Sorts each training seed's partners by their mean.
+
+    Args:
+        means: (S, P).
+
+    Returns:
+        (S, P), ascending along P: column r is the (r + 1)-th worst partner, whoever that is for each seed.
+
+    Source: the thesis, 7.2, "ordered outcomes".
+    """
+    return np.sort(np.asarray(means, np.float64), axis=1)
+
+
+def low_quantile(values: ArrayLike, axis: int = 0) -> NDArray[np.float64]:
+    """Gives the type-7 0.15-quantile along an axis: 0.4 x(1) + 0.6 x(2) for five values.
+
+    Source: Hyndman and Fan 1996, definition 7.
+    """
+    return np.asarray(np.quantile(np.asarray(values, np.float64), LOW_QUANTILE, axis=axis, method="linear"))
+
+
+def tail_quantile(means: ArrayLike) -> NDArray[np.float64]:
+    """Gives each training seed's 0.15-quantile over partners: (S, P) -> (S,)."""
+    return low_quantile(means, axis=1)
+
+
+def tail_mean(means: ArrayLike) -> NDArray[np.float64]:
+    """Gives each training seed's mean over its worst 15 % of the partners, one at least: (S, P) -> (S,)."""
+    curve = ordered(means)
+    return np.asarray(curve[:, : ceil(LOW_QUANTILE * curve.shape[1])].mean(axis=1))
+
+
+class OrderBound(NamedTuple):
+    """A distribution-free bound on a quantile.
+
+    Attributes:
+        rank: The bound is the rank-th smallest value, from 1.
+        confidence: How certain it is.
+    """
+
+    rank: int
+    confidence: float
+
+
+def upper_bound(n: int, quantile: float = LOW_QUANTILE) -> OrderBound | None:
+    """Finds the smallest order statistic of n values that is an upper 95 % bound on a quantile; None where none is."""
+    below = _binomial_cdf(n, quantile)
+    for rank in range(1, n + 1):
+        if below[rank - 1] >= CONFIDENCE:  # at most rank - 1 values lie below the quantile
+            return OrderBound(rank, float(below[rank - 1]))
+    return None
+
+
+def lower_bound(n: int, quantile: float = LOW_QUANTILE) -> OrderBound | None:
+    """Finds the largest order statistic of n values that is a lower 95 % bound on a quantile; None where none is."""
+    below = _binomial_cdf(n, quantile)
+    for rank in range(n, 0, -1):
+        if 1 - below[rank - 1] >= CONFIDENCE:  # at least `rank` values lie below the quantile
+            return OrderBound(rank, float(1 - below[rank - 1]))
+    return None
+
+
+def describe_low_quantile(values: ArrayLike) -> str:
+    """Says what some training seeds tell about the 0.15-quantile over all of them, and what they do not.
+
+    Args:
+        values: (S,) one score for each training seed, S >= 2.
+    """
+    seeds = np.sort(np.asarray(values, np.float64))
+    n = len(seeds)
+    low, high = lower_bound(n), upper_bound(n)
+    listed = ", ".join(f"{value:.0f}" for value in seeds)
+    kind = f"descriptive; seeds {listed}" if low is None else f"seeds {listed}"
+    upper = f"{n} seeds give no upper bound on the population 0.15-quantile"
+    if high is not None:
+        value = seeds[high.rank - 1]
+        upper = f"With {int(100 * high.confidence)} % confidence the population 0.15-quantile is <= {value:.0f}"
+    lower = f"{n} seeds give no lower bound (needs {_seeds_for_lower_bound()})"
+    if low is not None:
+        lower = f"with {int(100 * low.confidence)} % confidence it is >= {seeds[low.rank - 1]:.0f}"
+    return f"q0.15 over {n} training seeds: {float(low_quantile(seeds)):.0f} ({kind}). {upper}; {lower}."
+
+
+def _seeds_for_lower_bound() -> int:
+    return ceil(float(np.log(1 - CONFIDENCE) / np.log(1 - LOW_QUANTILE)))
+
+
+def _t(freedom: float) -> float:
+    from scipy.stats import t
+
+    return float(t.ppf((1 + CONFIDENCE) / 2, freedom))
+
+
+def _binomial_cdf(n: int, p: float) -> NDArray[Any]:
+    from scipy.stats import binom
+
+    return np.asarray(binom.cdf(np.arange(n), n, p))
