@@ -7,11 +7,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.kitchen.codes import RECIPES
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.state import KitchenState, Soup
 from overcooked_bench.rendering import sprites
 from overcooked_bench.rendering.caption import caption_height, status_line
+from overcooked_bench.rendering.pots import progress
 
 Image = NDArray[np.uint8]
 """(h, w, 3) uint8."""
@@ -69,10 +69,8 @@ def _pot(layout: Layout, state: KitchenState, position: tuple[int, int], tile_si
     content = state.objects.get(position)
     if not isinstance(content, Soup):
         return sprites.pot((0, 0), -1, -1, tile_size)
-    cook_time = content.cook_time
-    if content.tick >= 0 and cook_time < 0:
-        cook_time = layout.cook_times[RECIPES.index(content.recipe)]
-    return sprites.pot(content.recipe, min(content.tick, cook_time), cook_time, tile_size)
+    tick, cook_time = progress(layout, content) or (-1, -1)
+    return sprites.pot(content.recipe, tick, cook_time, tile_size)
 
 
 @lru_cache(maxsize=32)

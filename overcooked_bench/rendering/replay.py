@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -16,7 +17,7 @@ from overcooked_bench.kitchen.state import KitchenState
 from overcooked_bench.rendering.gif import write_gif
 from overcooked_bench.rendering.picture import draw
 from overcooked_bench.rendering.poster import poster
-from overcooked_bench.rendering.text import film
+from overcooked_bench.rendering.text import TILE_WIDTH, film
 
 Frame = tuple[KitchenState, float]
 """A state, and the points (soup reward of both chefs) earned until then."""
@@ -156,10 +157,10 @@ def play_in_terminal(
     Args:
         layout: The floor plan.
         frames: From `frames_of`.
-        fps: Frames a second; elsewhere than on a terminal nothing waits.
+        fps: Frames a second; nothing waits elsewhere than on a terminal.
         every: Show each k-th frame, and always the last.
         names: Who sits on seats 0 and 1.
-        out: Where to write; standard output by default.
+        out: Where to write; standard output by default. A terminal that is too small is treated as none.
 
     Returns:
         The points at the end.
@@ -169,26 +170,32 @@ def play_in_terminal(
     """
     _expect_pace(every, fps)
     out = sys.stdout if out is None else out
-    live = out.isatty()
-    shown: list[Frame] = []
-    head = [f"seat {seat}: {name}" for seat, name in enumerate(names or ())]
-    if head:
-        out.write("   ".join(head) + "\n")
+    columns, rows = shutil.get_terminal_size()
+    live = out.isatty() and columns >= TILE_WIDTH * layout.width and rows > layout.height + 2
+    head = "   ".join(f"seat {seat}: {name}" for seat, name in enumerate(names or ()))
+    first: Frame | None = None
     last: Frame | None = None
     lines = 0
     for last in thinned(frames, every):
-        if not live:
-            shown = [*shown[:1], last]
-            continue
-        text = _page(layout, last, True)
-        out.write((_UP_AND_CLEAR.format(lines) if lines else "") + text)
-        out.flush()
-        lines = text.count("\n")
-        time.sleep(1 / fps)
-    if last is None:
+        first = first or last
+        if live:
+            text = _page(layout, last, head, colour=True, most=rows - 1)
+            out.write((_UP_AND_CLEAR.format(lines) if lines else "") + text)
+            out.flush()
+            lines = text.count("\n")
+            time.sleep(1 / fps)
+    if first is None or last is None:
         raise ValueError("the episode has no frames; give what frames_of yields")
-    out.write("\n".join(_page(layout, frame, False) for frame in shown))
+    if not live:
+        pages = [_page(layout, frame, head, colour=False) for frame in (first, last)[: 1 + (first is not last)]]
+        out.write("\n".join(pages))
     return last[1]
+
+
+def _page(layout: Layout, frame: Frame, head: str, *, colour: bool, most: int | None = None) -> str:
+    state, points = frame
+    lines = [f"{head}{'   ' * bool(head)}{points:g} points", *film(layout, state, colour=colour).split("\n")]
+    return "\n".join(lines[:most]) + "\n"
 
 
 def thinned(frames: Iterable[Any], every: int) -> Iterator[Any]:
@@ -201,11 +208,6 @@ def thinned(frames: Iterable[Any], every: int) -> Iterator[Any]:
             yield frame
     if held is not nothing:
         yield held
-
-
-def _page(layout: Layout, frame: Frame, colour: bool) -> str:
-    state, points = frame
-    return f"{film(layout, state, colour=colour)}\n{points:g} points\n"
 
 
 def _expect_pace(every: int, fps: float) -> None:

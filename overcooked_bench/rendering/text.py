@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from overcooked_bench.kitchen.codes import RECIPES
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.state import FACINGS, KitchenState, Soup, Thing
+from overcooked_bench.rendering.pots import progress
 
 TILE_WIDTH = 3
 """Characters of one tile."""
@@ -14,8 +14,9 @@ _LETTERS = {"onion": "o", "tomato": "t", "dish": "d"}
 
 # 256-colour codes: (ink, ground, bold)
 _Look = tuple[int, int, bool]
+_Span = tuple[str, _Look]
 _FLOOR: _Look = (0, 230, False)
-_COUNTER: _Look = (0, 248, False)
+_COUNTER: _Look = (242, 246, False)
 _CHEFS: tuple[_Look, _Look] = ((231, 25, True), (16, 214, True))
 _TILES: dict[str, _Look] = {
     " ": _FLOOR,
@@ -25,10 +26,10 @@ _TILES: dict[str, _Look] = {
     "D": (16, 255, True),
     "S": (231, 29, True),
 }
-_LYING: dict[str, _Look] = {"o": (94, 248, True), "t": (124, 248, True), "d": (231, 248, True), "s": (88, 248, True)}
+_LYING: dict[str, _Look] = {"o": (16, 221, True), "t": (231, 160, True), "d": (16, 255, True), "s": (221, 94, True)}
 _POT_EMPTY: _Look = (250, 238, False)
 _POT_FILLED: _Look = (221, 238, True)
-_POT_COOKING: _Look = (16, 208, True)
+_POT_COOKING: _Look = (231, 88, True)
 _POT_READY: _Look = (16, 46, True)
 
 
@@ -43,7 +44,7 @@ def film(layout: Layout, state: KitchenState, *, colour: bool = True, legend: bo
         layout: The floor plan.
         state: Who stands where with what, and what lies where.
         colour: Whether to add ANSI colours; without them the text is plain ASCII.
-        legend: Whether to add a line for the chefs and one for the pots that are not empty.
+        legend: Whether to add a line for the step and the chefs, and one for each soup.
 
     Returns:
         Lines joined by "\n", without one at the end.
@@ -51,20 +52,12 @@ def film(layout: Layout, state: KitchenState, *, colour: bool = True, legend: bo
     rows = [[_tile(layout, state, (x, y)) for x in range(layout.width)] for y in range(layout.height)]
     for seat, chef in enumerate(state.chefs):
         x, y = chef.position
-        rows[y][x] = f"{seat}{_ARROWS[chef.facing]}{_letter(chef.holding)}", _CHEFS[seat]
+        rows[y][x] = [(f"{seat}{_ARROWS[chef.facing]}{_letter(chef.holding)}", _CHEFS[seat])]
     paint = _paint if colour else _plain
-    lines = ["".join(paint(text, look) for text, look in row) for row in rows]
+    lines = ["".join(paint(text, look) for tile in row for text, look in tile) for row in rows]
     if legend:
         lines += _legend(layout, state, colour)
     return "\n".join(lines)
-
-
-def remaining_steps(layout: Layout, soup: Soup) -> int | None:
-    """Gives the steps until a pot's soup is ready, 0 for a ready one, None for an idle one."""
-    if soup.is_idle:
-        return None
-    cook_time = soup.cook_time if soup.cook_time >= 0 else layout.cook_times[RECIPES.index(soup.recipe)]
-    return max(0, cook_time - soup.tick)
 
 
 def describe(thing: Thing | None) -> str:
@@ -86,22 +79,23 @@ def _letter(thing: Thing | None) -> str:
     return "s" if isinstance(thing, Soup) else _LETTERS[thing]
 
 
-def _tile(layout: Layout, state: KitchenState, position: tuple[int, int]) -> tuple[str, _Look]:
+def _tile(layout: Layout, state: KitchenState, position: tuple[int, int]) -> list[_Span]:
     tile, thing = layout.tile(position), state.objects.get(position)
     if tile == "P":
-        return _pot(layout, thing)
+        return [_pot(layout, thing)]
     if tile == "X" and thing is not None:
         letter = _letter(thing)
-        return f"#{letter}#", _LYING[letter]
-    return {" ": "   ", "X": "###"}.get(tile, f"<{tile}>"), _TILES[tile]
+        return [("#", _COUNTER), (letter, _LYING[letter]), ("#", _COUNTER)]
+    return [({" ": "   ", "X": "###"}.get(tile, f"<{tile}>"), _TILES[tile])]
 
 
-def _pot(layout: Layout, content: Thing | None) -> tuple[str, _Look]:
+def _pot(layout: Layout, content: Thing | None) -> _Span:
     if not isinstance(content, Soup):
         return "[_]", _POT_EMPTY
-    left = remaining_steps(layout, content)
-    if left is None:
+    cooked = progress(layout, content)
+    if cooked is None:
         return f"[{sum(content.recipe)}]", _POT_FILLED
+    left = cooked[1] - cooked[0]
     if left == 0:
         return "[!]", _POT_READY
     return (f"~{left:2d}" if left < 100 else str(left)), _POT_COOKING
@@ -113,14 +107,19 @@ def _legend(layout: Layout, state: KitchenState, colour: bool) -> list[str]:
         label = f"{seat}{_ARROWS[chef.facing]}"
         chefs.append(f"{_paint(label, _CHEFS[seat]) if colour else label} {describe(chef.holding)}")
     lines = [f"step {state.timestep}   " + "   ".join(chefs)]
-    pots = []
-    for x, y in layout.positions("P"):
-        content = state.objects.get((x, y))
+    for position, content in state.objects.items():
         if isinstance(content, Soup):
-            left = remaining_steps(layout, content)
-            condition = "" if left is None else ", ready" if left == 0 else f", {left} step{'s' * (left > 1)} to go"
-            pots.append(f"pot ({x}, {y}): {_ingredients(content)}{condition}")
-    return [*lines, "   ".join(pots) or "pots: empty"]
+            where = "pot" if layout.tile(position) == "P" else "dish"
+            lines.append(f"{where} {position}: {_ingredients(content)}{_condition(layout, content, where)}")
+    return lines
+
+
+def _condition(layout: Layout, soup: Soup, where: str) -> str:
+    cooked = progress(layout, soup)
+    if where == "dish" or cooked is None:
+        return ""
+    left = cooked[1] - cooked[0]
+    return f", {left} step{'s' * (left > 1)} to go" if left else ", ready"
 
 
 def _paint(text: str, look: _Look) -> str:

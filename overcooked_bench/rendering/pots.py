@@ -1,0 +1,13 @@
+"""How far the soup in a pot is."""
+
+from overcooked_bench.kitchen.codes import RECIPES
+from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.state import Soup
+
+
+def progress(layout: Layout, soup: Soup) -> tuple[int, int] | None:
+    """Gives (steps cooked, steps in all), None while idle; a soup that does not know its time takes the layout's."""
+    if soup.is_idle:
+        return None
+    cook_time = soup.cook_time if soup.cook_time >= 0 else layout.cook_times[RECIPES.index(soup.recipe)]
+    return min(soup.tick, cook_time), cook_time
