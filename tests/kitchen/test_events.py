@@ -117,7 +117,7 @@ def test_a_worthless_soup_is_delivered_too():
         (AT_COUNTER, "onion", {COUNTER: "onion"}),
     ],
     ids=["start", "full pot", "empty pot", "serve a dish", "give back", "empty counter", "blocked"],
-)  # fmt: skip
+)
 def test_starting_a_pot_and_doing_nothing_are_no_events(place, holding, lying):
     assert happens(place, holding, lying) == set()
 

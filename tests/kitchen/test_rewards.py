@@ -117,10 +117,22 @@ def test_starting_a_pot_earns_nothing():
     ],
     ids=[
         *("empty pots", "one onion", "two onions", "three that wait", "cooking", "ready", "tomato"),
-        *("other has a dish", "a dish for each pot", "waiting pot wants none", "other has an onion", "other has a soup"),
-        *("dish on a counter", "dish on a counter, two pots", "onion on a counter", "soup on a counter", "no pot in use"),
+        *(
+            "other has a dish",
+            "a dish for each pot",
+            "waiting pot wants none",
+            "other has an onion",
+            "other has a soup",
+        ),
+        *(
+            "dish on a counter",
+            "dish on a counter, two pots",
+            "onion on a counter",
+            "soup on a counter",
+            "no pot in use",
+        ),
     ],
-)  # fmt: skip
+)
 def test_when_a_dish_is_useful(other_holds, lying, earned):
     kitchens = stage(chef(AT_DISHES), chef(AWAY, other_holds), lying, "manual")
     assert partial(act(kitchens, "interact")) == [earned, 0]

@@ -42,7 +42,10 @@ THINGS = ["onion", "tomato", "dish", SOUP]
         (AT_COUNTER, "onion", {COUNTER: "dish"}, "onion", {COUNTER: "dish"}),
         (AT_COUNTER, "dish", {COUNTER: SOUP}, "dish", {COUNTER: SOUP}),
         (AT_COUNTER, None, {}, None, {}),
-        *((place, None, {}, thing, {}) for place, thing in ((AT_ONIONS, "onion"), (AT_TOMATOES, "tomato"), (AT_DISHES, "dish"))),
+        *(
+            (place, None, {}, thing, {})
+            for place, thing in ((AT_ONIONS, "onion"), (AT_TOMATOES, "tomato"), (AT_DISHES, "dish"))
+        ),
         *((place, thing, {}, thing, {}) for place in (AT_ONIONS, AT_TOMATOES, AT_DISHES) for thing in THINGS),
         (AT_LEFT_POT, "onion", {}, None, {LEFT_POT: Soup((1, 0))}),
         (AT_LEFT_POT, "tomato", {}, None, {LEFT_POT: Soup((0, 1))}),
@@ -62,7 +65,7 @@ THINGS = ["onion", "tomato", "dish", SOUP]
         *((AT_SERVING, thing, {}, thing, {}) for thing in (None, "onion", "tomato", "dish")),
         (((2, 2), "north"), "onion", {}, "onion", {}),
     ],
-)  # fmt: skip
+)
 def test_what_an_interaction_does(cooking, place, holding, lying, holding_after, lying_after):
     kitchens = stage(chef(place, holding), chef(AWAY), lying, cooking)
     act(kitchens, "interact")
@@ -173,8 +176,16 @@ PASS = "XPXXX\nO X D\nX X S\nXXXXX"
         ((None, None), "onion", ("onion", None), None),
         (("dish", "dish"), "onion", ("dish", "dish"), "onion"),
     ],
-    ids=["pass on", "too late to pass back", "take, then drop", "blocked, then take", "both drop", "both take", "both blocked"],
-)  # fmt: skip
+    ids=[
+        "pass on",
+        "too late to pass",
+        "take, then drop",
+        "blocked, then take",
+        "both drop",
+        "both take",
+        "both blocked",
+    ],
+)
 def test_hand_overs_in_one_step(hands, lying, hands_after, lying_after):
     counter = (2, 1)
     first, second = chef(((1, 1), "east"), hands[0]), chef(((3, 1), "west"), hands[1])
@@ -219,10 +230,11 @@ def test_an_interaction_happens_where_the_chef_stood_and_looked_before_the_step(
         (((1, 1), (2, 1)), ("west", "west"), ((1, 1), (2, 1))),
     ],
     ids=[
-        *("free", "seat 0 follows", "seat 1 follows", "into a left cell", "into one that stays", "into one that interacts"),
-        *("swap", "same cell head on", "same cell round a corner", "follow into a wall", "walls", "collide with a blocked"),
+        *("free", "seat 0 follows", "seat 1 follows", "into a cell that is left", "into one that stays"),
+        *("into one that interacts", "swap", "same cell head on", "same cell round a corner", "follow into a wall"),
+        *("walls", "collide with a blocked"),
     ],
-)  # fmt: skip
+)
 def test_movement(starts, actions, ends):
     kitchens = stage(chef((starts[0], "north"), "onion"), chef((starts[1], "south")))
     act(kitchens, *actions)
