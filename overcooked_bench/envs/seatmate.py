@@ -42,19 +42,31 @@ class Seatmate:
                 f"choose one of {', '.join((*OBSERVATIONS, _STATE))}"
             )
 
-    def reset(self, kitchens: Kitchens, seats: NDArray[np.int64], seeds: NDArray[np.uint64]) -> None:
-        """Starts new episodes in all kitchens.
+    def reset(
+        self,
+        kitchens: Kitchens,
+        seats: NDArray[np.int64],
+        seeds: NDArray[np.uint64],
+        share: NDArray[np.int64] | None = None,
+    ) -> None:
+        """Starts new episodes.
 
         Args:
-            kitchens: N kitchens.
+            kitchens: The kitchens.
             seats: (N,) the partner's own seats.
             seeds: (N,) uint64.
+            share: (N,) which of the kitchens this partner serves, all by default.
         """
-        self._rows = 2 * np.arange(kitchens.num_kitchens) + seats
+        share = np.arange(kitchens.num_kitchens) if share is None else share
+        self._rows = 2 * share + seats
         self._agent.reset(kitchens.layout.name, seats, seeds)
 
-    def act(self, kitchens: Kitchens) -> NDArray[Any]:
+    def act(self, kitchens: Kitchens, views: NDArray[Any] | None = None) -> NDArray[Any]:
         """Asks for the next actions.
+
+        Args:
+            kitchens: The kitchens.
+            views: What `kitchens.observe` gives for this partner's observation, where the caller has it already.
 
         Returns:
             (N,) whole numbers.
@@ -62,13 +74,13 @@ class Seatmate:
         Raises:
             ValueError: The agent answered with something else.
         """
-        n = kitchens.num_kitchens
+        n = len(self._rows)
         shown: Any
         if self.observation == _STATE:
-            shown = [kitchens.state(i) for i in range(n)]
+            shown = [kitchens.state(int(row) >> 1) for row in self._rows]
         else:
-            views = kitchens.observe(self.observation)
-            shown = views.reshape(2 * n, *views.shape[2:]).take(self._rows, 0)
+            views = kitchens.observe(self.observation) if views is None else views
+            shown = views.reshape(-1, *views.shape[2:]).take(self._rows, 0)
         actions = np.asarray(self._agent.act(shown))
         if actions.shape != (n,) or actions.dtype.kind not in "iu":
             raise ValueError(
@@ -121,7 +133,7 @@ def _find(partner: str | Path | Agent, layout: Layout) -> tuple[Agent, str]:
     if isinstance(partner, str | Path):
         from overcooked_bench.agents.catalogue import load_agent
 
-        return load_agent(partner, layout), repr(str(partner))
+        return load_agent(partner, layout.name), repr(str(partner))
     if not isinstance(partner, Agent):
         raise TypeError(
             f"partner={partner!r}; give a catalogue name, the path of a submission, or an object with "

@@ -265,6 +265,29 @@ class Kitchens:
             mask[i] = True
             self._past.restart(self.batch, mask)
 
+    def snapshot(self) -> dict[str, NDArray[Any]]:
+        """Gives copies of all arrays that the future depends on; `restore` takes them back."""
+        return {name: array.copy() for name, array in self._arrays().items()}
+
+    def restore(self, arrays: dict[str, NDArray[Any]]) -> None:
+        """Goes back to a `snapshot` of kitchens of the same layout, number and history.
+
+        Raises:
+            ValueError: The arrays are those of other kitchens; nothing was changed then.
+        """
+        ours = self._arrays()
+        if {k: (v.shape, v.dtype) for k, v in ours.items()} != {k: (v.shape, v.dtype) for k, v in arrays.items()}:
+            raise ValueError("the snapshot was made with another layout, number of kitchens or history")
+        for name, array in arrays.items():
+            ours[name][...] = array
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        batch = self.batch
+        arrays = {"rows": batch.rows, "clock": batch.clock, "image": batch.image, "stream": batch.stream}
+        for age, (rows, image) in enumerate(self._past.newest_first() if self._past else (), start=1):
+            arrays |= {f"rows_{age}_ago": rows, f"image_{age}_ago": image}
+        return arrays
+
 
 class _Past:
     """The last three states' rows and images, in a ring that all kitchens share, with room for the next one."""

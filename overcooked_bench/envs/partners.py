@@ -1,0 +1,60 @@
+"""Several partners, each serving its own share of the kitchens of one batch.
+
+Axes: N kitchens.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overcooked_bench.agents.agent import Agent
+from overcooked_bench.envs.seatmate import Seatmate
+from overcooked_bench.kitchen.kitchens import Kitchens
+from overcooked_bench.kitchen.layout import Layout
+
+
+class Partners:
+    """A list of partners spread evenly over N kitchens, in neighbouring groups.
+
+    Args:
+        partners: Catalogue names, paths or agents.
+        layout: Where they play.
+        num_kitchens: N, at least as many as partners.
+
+    Attributes:
+        observations: What the partners are shown.
+
+    Raises:
+        ValueError: No partner, or more partners than kitchens.
+    """
+
+    def __init__(self, partners: Sequence[str | Path | Agent], layout: Layout, num_kitchens: int) -> None:
+        if isinstance(partners, str | Path) or not partners:
+            raise ValueError(f"partners={partners!r}; give a list with at least one partner, such as ['greedy']")
+        if len(partners) > num_kitchens:
+            raise ValueError(f"{len(partners)} partners for {num_kitchens} kitchens; each needs at least one kitchen")
+        if len({id(partner) for partner in partners if not isinstance(partner, str | Path)}) != sum(
+            not isinstance(partner, str | Path) for partner in partners
+        ):
+            raise ValueError("one agent object stands in the list twice; give each group of kitchens its own")
+        self._mates = [Seatmate(partner, layout) for partner in partners]
+        self._shares = np.array_split(np.arange(num_kitchens), len(partners))
+        self.observations = tuple(mate.observation for mate in self._mates)
+
+    def reset(self, kitchens: Kitchens, seats: NDArray[np.int64], seeds: NDArray[np.uint64]) -> None:
+        """Starts new episodes in all kitchens; `seats` (N,) are the partners' own, `seeds` (N,) uint64."""
+        for mate, share in zip(self._mates, self._shares, strict=True):
+            mate.reset(kitchens, seats[share], seeds[share], share)
+
+    def act(self, kitchens: Kitchens) -> NDArray[np.int64]:
+        """Asks every partner for its actions: (N,) whole numbers."""
+        shown: dict[str, Any] = {}
+        actions = np.empty(kitchens.num_kitchens, np.int64)
+        for mate, share in zip(self._mates, self._shares, strict=True):
+            if mate.observation not in shown and mate.observation != "state":
+                shown[mate.observation] = kitchens.observe(mate.observation)
+            actions[share] = mate.act(kitchens, shown.get(mate.observation))
+        return actions

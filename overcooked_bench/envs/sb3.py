@@ -1,0 +1,225 @@
+"""Many kitchens as one stable-baselines3 `VecEnv`: against partners, or in self-play with both seats as rows.
+
+Axes: N kitchens, R rows that the learner sees (N against partners, 2 N in self-play).
+"""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from numpy.typing import NDArray
+from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvObs, VecEnvStepReturn
+
+from overcooked_bench.agents.agent import Agent
+from overcooked_bench.envs.frames import frame
+from overcooked_bench.envs.partners import Partners
+from overcooked_bench.envs.seatmate import RANDOM_SEAT, STAY_ACTION, checked_seat
+from overcooked_bench.envs.spaces import action_space, history_for, observation_space
+from overcooked_bench.kitchen.kitchens import Kitchens
+from overcooked_bench.kitchen.layout import Layout
+
+
+class OvercookedVecEnv(VecEnv):
+    """N kitchens of one layout for stable-baselines3.
+
+    Against partners, row i is the learner in kitchen i. In self-play both seats learn: rows 2k and 2k + 1 are chefs 0
+    and 1 of kitchen k. All kitchens start together and reach the horizon together; `infos[i]` is then as a VecMonitor
+    and SB3's own vector environments give it (`episode`, `terminal_observation`, `TimeLimit.truncated`), with the team's
+    soup reward of the episode as `episode_soup_reward` besides; before the horizon all rows share one empty dict.
+
+    Args:
+        layout: A shipped name, a grid's text, the path of a `.layout` file, or a Layout.
+        num_envs: N.
+        partners: Catalogue names, paths or agents, spread evenly over the kitchens in neighbouring groups.
+        self_play: Both seats are rows; `partners` and `seat` have no part then.
+        seat: 0, 1, or "random", drawn for each kitchen and episode.
+        observation: A name of `Kitchens.observe`.
+        cooking: "auto" or "manual".
+        start: "random" or "standard".
+        object_probability: Chance of each pot and each pair of hands to be filled at the start.
+        horizon: Steps of an episode.
+        shaping: Weight of a row's own partial rewards in its reward; `set_shaping` changes it.
+
+    Attributes:
+        kitchens: The game itself.
+
+    Raises:
+        ValueError: An argument is out of range; says what to write instead.
+    """
+
+    def __init__(
+        self,
+        layout: str | Path | Layout,
+        num_envs: int,
+        *,
+        partners: Sequence[str | Path | Agent] = ("stay",),
+        self_play: bool = False,
+        seat: str | int = RANDOM_SEAT,
+        observation: str = "lossless",
+        cooking: str = "auto",
+        start: str = "random",
+        object_probability: float = 0.0,
+        horizon: int = 400,
+        shaping: float = 0.0,
+    ) -> None:
+        plan = Layout.load(layout)
+        self._seat = checked_seat(seat)
+        self._partners = None if self_play else Partners(partners, plan, num_envs)
+        self.kitchens = Kitchens(
+            plan,
+            num_envs,
+            cooking=cooking,
+            horizon=horizon,
+            start=start,
+            object_probability=object_probability,
+            history=history_for(observation, *(self._partners.observations if self._partners else ())),
+        )
+        self.kitchens.autoreset = False
+        self._observation = observation
+        self._shaping = float(shaping)
+        self._num_kitchens = num_envs
+        self._rng = np.random.default_rng()
+        self._joint = np.full((num_envs, 2), STAY_ACTION, np.int64)
+        rows = 2 * num_envs if self_play else num_envs
+        self._returns = np.zeros(rows)
+        self._soup_returns = np.zeros(num_envs)
+        self._rows = np.arange(rows)
+        self._nothing_to_tell: list[dict[str, Any]] = [{}] * rows
+        self.render_mode = "rgb_array"
+        super().__init__(rows, observation_space(self.kitchens, observation), action_space())
+
+    def set_shaping(self, weight: float) -> None:
+        """Sets the weight of partial rewards from the next step on."""
+        self._shaping = float(weight)
+
+    def reset(self) -> VecEnvObs:
+        """Starts new episodes everywhere: (R, ...) observations. A seed set by `seed` takes effect here."""
+        if self._seeds[0] is not None:
+            self._rng = np.random.default_rng(self._seeds[0])
+        self.kitchens.reset(seed=int(self._rng.integers(2**63)))
+        self._start_episodes()
+        self._reset_seeds()
+        self._reset_options()
+        return self._views()
+
+    def step_async(self, actions: NDArray[np.int64]) -> None:
+        """Takes the learner's actions, (R,) ints."""
+        self._joint.reshape(-1)[self._rows] = actions
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Plays the step.
+
+        Returns:
+            (R, ...) observations, (R,) float32 rewards, (R,) bool whether the horizon was reached, and R infos.
+        """
+        if self._partners:
+            self._joint.reshape(-1)[self._rows ^ 1] = self._partners.act(self.kitchens)
+        result = self.kitchens.step(self._joint)
+        soup = result.soup_reward.sum(1)
+        rewards = soup[self._rows >> 1] + self._shaping * result.partial_reward.reshape(-1)[self._rows]
+        self._returns += rewards
+        self._soup_returns += soup
+        dones = result.truncated[self._rows >> 1]
+        infos = self._finish(dones) if dones[0] else self._nothing_to_tell
+        return self._views(), rewards.astype(np.float32), dones, infos
+
+    def snapshot(self) -> dict[str, NDArray[Any]]:
+        """Gives all that the future depends on, as arrays; only in self-play, since partners keep their own state.
+
+        Raises:
+            ValueError: There are partners.
+        """
+        if self._partners:
+            raise ValueError("an environment with partners cannot be saved: what they remember is their own")
+        return {
+            **{f"kitchens.{name}": array for name, array in self.kitchens.snapshot().items()},
+            "returns": self._returns.copy(),
+            "soup_returns": self._soup_returns.copy(),
+            "shaping": np.array(self._shaping),
+        }
+
+    def restore(self, arrays: dict[str, NDArray[Any]]) -> None:
+        """Goes back to a `snapshot`."""
+        kitchens = {k.removeprefix("kitchens."): v for k, v in arrays.items() if k.startswith("kitchens.")}
+        self.kitchens.restore(kitchens)
+        self._returns[...] = arrays["returns"]
+        self._soup_returns[...] = arrays["soup_returns"]
+        self._shaping = float(arrays["shaping"])
+
+    def _finish(self, dones: NDArray[np.bool_]) -> list[dict[str, Any]]:
+        if not dones.all():
+            raise RuntimeError("only some kitchens are over; episodes of one OvercookedVecEnv start and end together")
+        last = self._views()
+        infos = [
+            {
+                "episode": {"r": float(total), "l": self.kitchens.horizon, "t": self.kitchens.horizon},
+                "episode_soup_reward": float(self._soup_returns[row >> 1]),
+                "terminal_observation": last[k],
+                "TimeLimit.truncated": True,
+            }
+            for k, (row, total) in enumerate(zip(self._rows, self._returns, strict=True))
+        ]
+        self.kitchens.reset()
+        self._start_episodes()
+        return infos
+
+    def _start_episodes(self) -> None:
+        self._returns[:] = 0
+        self._soup_returns[:] = 0
+        if self._partners:
+            n = self._num_kitchens
+            drawn = self._rng.integers(2, size=n)
+            seats = drawn if self._seat == RANDOM_SEAT else np.full(n, self._seat)
+            self._rows = 2 * np.arange(n) + seats
+            seeds = self._rng.integers(2**63, size=n).astype(np.uint64)
+            self._partners.reset(self.kitchens, 1 - seats, seeds)
+
+    def _views(self) -> NDArray[Any]:
+        views = self.kitchens.observe(self._observation)
+        flat = views.reshape(2 * self._num_kitchens, *views.shape[2:])
+        return flat.take(self._rows, 0) if self._partners else flat
+
+    def get_images(self) -> Sequence[NDArray[Any] | None]:
+        """Draws every kitchen: N pictures (h, w, 3) uint8."""
+        return [frame(self.kitchens, i, "rgb_array") for i in range(self._num_kitchens)]
+
+    def close(self) -> None:
+        """Does nothing: there is nothing to release."""
+
+    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
+        """Gives an attribute once for each of the asked rows; all rows share this environment."""
+        return [getattr(self, attr_name) for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
+        """Sets an attribute for all rows.
+
+        Raises:
+            ValueError: Only some rows were named.
+        """
+        self._need_all(indices)
+        setattr(self, attr_name, value)
+
+    def env_method(
+        self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **method_kwargs: Any
+    ) -> list[Any]:
+        """Calls a method of this environment once, and gives its result for each row.
+
+        Raises:
+            ValueError: Only some rows were named.
+        """
+        self._need_all(indices)
+        result = getattr(self, method_name)(*method_args, **method_kwargs)
+        return [result] * self.num_envs
+
+    def env_is_wrapped(
+        self, wrapper_class: type[gym.Wrapper[Any, Any, Any, Any]], indices: VecEnvIndices = None
+    ) -> list[bool]:
+        """Tells that no row is wrapped."""
+        return [False for _ in self._get_indices(indices)]
+
+    def _need_all(self, indices: VecEnvIndices) -> None:
+        chosen: Iterable[int] = self._get_indices(indices)
+        if len(set(chosen)) != self.num_envs:
+            raise ValueError("rows of one OvercookedVecEnv share one environment; leave `indices` out to mean all")
