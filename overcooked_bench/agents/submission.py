@@ -20,6 +20,7 @@ from overcooked_bench.agents.checks import AgentError, check_agent
 
 ENTRY: Final = "agent.py"
 _WANTED: Final = "def make_agent(layout: str, training_seed: int) -> Agent"
+_PREFIX: Final = "overcooked_bench_submission_"
 _numbers = count()
 
 
@@ -107,7 +108,7 @@ def hash_submission(path: str | Path) -> str:
 
 
 def _execute(file: Path, imports: "_Imports") -> ModuleType:
-    name = f"overcooked_bench_submission_{next(_numbers)}"
+    name = f"{_PREFIX}{next(_numbers)}"
     spec = spec_from_file_location(name, file)
     assert spec is not None
     assert spec.loader is not None
@@ -136,9 +137,10 @@ def _told(error: BaseException, file: Path, when: str) -> AgentError:
 
 
 class _Imports:
-    """Lets a submission import what lies beside it, without leaving a trace for the next one.
+    """Lets a submission import what lies beside it, without leaving a trace for anybody else.
 
-    Two submissions may both have a `helper.py`: while one's code runs, its own helpers stand in `sys.modules`.
+    Two submissions may both have a `helper.py`: while one's code runs, its own helpers stand in `sys.modules`, and
+    foreign modules of their names do not.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -149,6 +151,11 @@ class _Imports:
     def open(self) -> Iterator[None]:
         folder, before = str(self._folder), dict(sys.modules)
         no_bytecode, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+        beside = self._names() - set(sys.stdlib_module_names)
+        for name in before:
+            top = name.partition(".")[0]
+            if top in beside and not self._lies_here(before.get(top)):
+                del sys.modules[name]
         sys.modules.update(self._own)
         sys.path.insert(0, folder)
         try:
@@ -157,16 +164,20 @@ class _Imports:
             sys.dont_write_bytecode = no_bytecode
             if folder in sys.path:
                 sys.path.remove(folder)
-            tops = {name for name, module in sys.modules.items() if "." not in name and self._is_beside(module, before)}
-            self._own = {name: module for name, module in sys.modules.items() if name.partition(".")[0] in tops}
+            found = dict(sys.modules)
+            tops = {name for name in found if found[name] is not before.get(name) and self._lies_here(found[name])}
+            self._own = {name: module for name, module in found.items() if name.partition(".")[0] in tops}
             for name in self._own:
                 del sys.modules[name]
-                if name in before:
-                    sys.modules[name] = before[name]
+            sys.modules.update({name: module for name, module in before.items() if name not in sys.modules})
 
-    def _is_beside(self, module: Any, before: dict[str, ModuleType]) -> bool:
-        name = getattr(module, "__name__", "")
-        if before.get(name) is module or name.startswith("overcooked_bench_submission_"):
+    def _names(self) -> set[str]:
+        files = {file.stem for file in self._folder.glob("*.py")}
+        return files | {package.parent.name for package in self._folder.glob("*/__init__.py")}
+
+    def _lies_here(self, module: Any) -> bool:
+        """Tells whether a module is a file or a package directly in the folder (and not a submission itself)."""
+        if getattr(module, "__name__", "").startswith(_PREFIX):
             return False
-        homes = [str(file) for file in getattr(module, "__path__", [])] or [getattr(module, "__file__", None) or ""]
+        homes = [str(path) for path in getattr(module, "__path__", ())] or [getattr(module, "__file__", None) or ""]
         return any(Path(home).parent == self._folder for home in homes)

@@ -1,8 +1,9 @@
-"""Small policies for the tests of agents."""
+"""Small policies and pool entries for the tests of agents."""
 
 import numpy as np
 
 from overcooked_bench.agents.policy import Mlp, Policy, PolicyFiles, load_policy, save_policy
+from overcooked_bench.agents.pool import AgentRecord, SelfPlay
 
 
 def small_mlp(layout="cramped_room", shape=(22, 4, 5), **others):
@@ -22,3 +23,18 @@ def write_policy(stem, seed=0, **settings) -> PolicyFiles:
 
 def make_policy(folder, seed=0, **settings) -> Policy:
     return load_policy(write_policy(folder / f"policy-{seed}", seed, **settings).weights)
+
+
+def record(name="sp-0", layout="cramped_room", **others):
+    settings = {
+        "method": "self-play",
+        "seed": 2**63 + 5,
+        "namespace": "tests",
+        "lineage": f"{layout}/{name}",
+        "training": {"learning_rate": 1e-3, "hidden": (128, 128), "steps": 10},
+        "steps": 10,
+        "cooking": "auto",
+        "mode": "sample",
+        "self_play": SelfPlay(mean=200, low=190.5, high=210.0, episodes=100),
+    }
+    return AgentRecord(name=name, layout=layout, **(settings | others))
