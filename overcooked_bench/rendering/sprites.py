@@ -265,5 +265,5 @@ def chef(seat: int, facing: str, holding: Thing | None, tile_size: int) -> NDArr
         brush.disc(*at(-0.09 + 0.115 * cos(pi * k / 3), 0.115 * sin(pi * k / 3)), 0.1, WHITE, HAT_INK, 0.02)
     brush.disc(*at(-0.09, 0), 0.14, WHITE)
     if holding is not None:
-        thing(brush, *at(0.45, 0), 0.42, holding)
+        thing(brush, *at(0.43, 0.1), 0.42, holding)
     return brush.finish()
