@@ -32,6 +32,18 @@ class ScoringFault(RuntimeError):
     """The scored agent broke the contract; the blocks that were played before are in the store."""
 
 
+class Scored(NamedTuple):
+    """What `score` gives.
+
+    Attributes:
+        scores: The content of score.json.
+        folder: Where the files are.
+    """
+
+    scores: Scores
+    folder: Path
+
+
 class Progress(NamedTuple):
     """How far a score is.
 
@@ -58,7 +70,7 @@ def score(
     engine: str = "local",
     seed: int = 0,
     on_progress: Callable[[Progress], None] = lambda _: None,
-) -> Scores:
+) -> Scored:
     """Scores an agent and writes score.json, episodes.sqlite, curve.png and report.html.
 
     The same folder again goes on where it was stopped; score.json is the same, apart from `run`, for any number of
@@ -127,7 +139,7 @@ def score(
         run=_run_facts(started, time.monotonic() - clock, workers, engine),
     )
     scores.write(folder / SCORES_FILE)
-    return scores
+    return Scored(scores, folder)
 
 
 def default_output(agent: str, protocol: Protocol) -> Path:

@@ -34,6 +34,7 @@ CREATE TABLE episodes (
 );
 """
 _COLUMNS: Final = 14
+_KEY: Final = "layout, training_seed, episode, partner, seat"
 
 
 class StoreError(ValueError):
@@ -162,27 +163,33 @@ class Store:
             if written.rowcount:
                 self._connection.executemany(f"INSERT INTO episodes VALUES ({marks})", episodes)
 
-    def episodes(self, **where: str | int) -> Iterator[Episode]:
-        """Reads episodes in the order of their key.
+    def find(self, where: Mapping[str, str | int], worst: bool = False) -> Episode | None:
+        """Reads the first episode that fits, in the order of its key; None where none does.
 
         Args:
-            where: Column = value, for any columns of `Episode`.
+            where: Column of `Episode` -> value.
+            worst: Floors left out, the one with the fewest points.
         """
-        unknown = set(where) - set(Episode._fields)
-        if unknown:
-            raise ValueError(f"no column {sorted(unknown)[0]!r}; columns are {', '.join(Episode._fields)}")
-        condition = " AND ".join(f"{column} = ?" for column in where) or "1"
-        query = (
-            f"SELECT * FROM episodes WHERE {condition} ORDER BY layout, training_seed, episode, partner, seat"
-        )
-        for row in self._connection.execute(query, tuple(where.values())):
+        conditions = [f"{_column(column)} = ?" for column in where] + (["kind != 'floor'"] if worst else [])
+        order = ("soup_reward, " if worst else "") + _KEY
+        query = f"SELECT * FROM episodes WHERE {' AND '.join(conditions) or '1'} ORDER BY {order} LIMIT 1"
+        row = self._connection.execute(query, tuple(where.values())).fetchone()
+        return row and Episode(*row)
+
+    def values(self, column: str) -> list[Any]:
+        """Lists what stands in a column of `Episode`, each value once."""
+        name = _column(column)
+        return [value for (value,) in self._connection.execute(f"SELECT DISTINCT {name} FROM episodes ORDER BY {name}")]
+
+    def episodes(self) -> Iterator[Episode]:
+        """Reads all episodes in the order of their key."""
+        for row in self._connection.execute(f"SELECT * FROM episodes ORDER BY {_KEY}"):
             yield Episode(*row)
 
     def returns(self) -> list[tuple[Any, ...]]:
         """Reads what scores are made of, without starts and actions: all columns of `Episode` up to `partner_soups`."""
         columns = ", ".join(Episode._fields[:-2])
-        order = "layout, training_seed, episode, partner, seat"
-        return list(self._connection.execute(f"SELECT {columns} FROM episodes ORDER BY {order}"))
+        return list(self._connection.execute(f"SELECT {columns} FROM episodes ORDER BY {_KEY}"))
 
     def _has_tables(self) -> bool:
         found = self._connection.execute("SELECT count(*) FROM sqlite_master WHERE name = 'facts'")
@@ -206,6 +213,12 @@ class Store:
             self._connection.execute("ROLLBACK")
             raise
         self._connection.execute("COMMIT")
+
+
+def _column(name: str) -> str:
+    if name not in Episode._fields:
+        raise ValueError(f"no column {name!r}; columns are {', '.join(Episode._fields)}")
+    return name
 
 
 def _short(value: str | None) -> str:

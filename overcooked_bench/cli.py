@@ -1,0 +1,272 @@
+"""`overcooked-bench`: parses, calls one function, prints.
+
+Exit codes: 0 done, 1 a failed check (the scored agent broke the contract), 2 wrong use, 130 stopped by Ctrl-C.
+"""
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from typing import Any
+
+_EPILOG = "Each command has its own --help with an example."
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs a command.
+
+    Args:
+        arguments: The command line without the program's name; `sys.argv` by default.
+
+    Returns:
+        The exit code.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        if given[:1] == ["train"] and len(given) > 1 and not given[1].startswith("-"):
+            return _train(given[1], given[2:])
+        options = _parser().parse_args(given)
+        command: Callable[[argparse.Namespace], int] = options.command
+        return command(options)
+    except KeyboardInterrupt:
+        print("\nstopped; what is finished is kept, and the same command goes on from there", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        sys.stderr.close()
+        return 0
+    except Exception as error:
+        code = _exit_code(error)
+        if code is None:
+            raise
+        print(f"overcooked-bench: {error}", file=sys.stderr)
+        return code
+
+
+def _exit_code(error: Exception) -> int | None:
+    """Gives the code of a user's mistake or an agent's fault; None for a fault of ours."""
+    from overcooked_bench.agents.checks import AgentError
+    from overcooked_bench.agents.policy import PolicyError
+    from overcooked_bench.agents.pool import PoolError
+    from overcooked_bench.evaluation.engines import EngineError
+    from overcooked_bench.evaluation.protocol import ProtocolError
+    from overcooked_bench.evaluation.scores import ScoresError
+    from overcooked_bench.evaluation.scoring import ScoringFault
+    from overcooked_bench.evaluation.store import StoreError
+    from overcooked_bench.kitchen.layout import LayoutError
+
+    if isinstance(error, ScoringFault):
+        return 1
+    wrong_use = (AgentError, PolicyError, PoolError, EngineError, ProtocolError, ScoresError, StoreError, LayoutError, OSError)
+    return 2 if isinstance(error, wrong_use) else None
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="overcooked-bench",
+        description="Score agents that cooperate with strangers in Overcooked kitchens.",
+        epilog=_EPILOG,
+    )
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    for add in (_add_score, _add_replay, _add_train, _add_list):
+        add(commands)
+    return parser
+
+
+def _command(
+    commands: Any, name: str, run: Callable[[argparse.Namespace], int], summary: str, example: str
+) -> argparse.ArgumentParser:
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name,
+        help=summary,
+        description=summary[0].upper() + summary[1:] + ".",
+        epilog=f"example:\n  {example}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.set_defaults(command=run)
+    return parser
+
+
+def _add_score(commands: Any) -> None:
+    parser = _command(
+        commands,
+        "score",
+        _score,
+        "play an agent with every partner of a pool and say how well it cooperates",
+        "overcooked-bench score my_agent.py --layouts cramped_room,counter_circuit --workers 2",
+    )
+    parser.add_argument(
+        "agent",
+        metavar="AGENT",
+        help="a name that `overcooked-bench list` shows, a Python file with make_agent, or a folder with agent.py",
+    )
+    parser.add_argument("--protocol", metavar="NAME|FILE", help="what is played (default: the newest shipped protocol)")
+    parser.add_argument("--pool", metavar="NAME|FOLDER", help="other trained partners than the protocol's")
+    parser.add_argument("--layouts", metavar="A,B", type=_names, help="some of the protocol's layouts")
+    parser.add_argument("--output", metavar="DIR", help="where to write (default: scores/<agent>-<protocol>)")
+    parser.add_argument("--workers", metavar="N", type=int, help="processes (default: the usable cores, four at most)")
+    parser.add_argument("--engine", default="local", metavar="local|dask|ray", help="where the processes run")
+    parser.add_argument("--seed", metavar="N", type=int, default=0, help="other start states; compare scores of seed 0")
+    parser.add_argument("--json", action="store_true", help="print score.json in place of the table")
+
+
+def _score(options: argparse.Namespace) -> int:
+    from pathlib import Path
+
+    from overcooked_bench.evaluation import scoring
+    from overcooked_bench.evaluation.engines import default_workers
+    from overcooked_bench.evaluation.protocol import NEWEST, load_protocol
+
+    protocol = load_protocol(options.protocol or NEWEST)
+    with _progress() as on_progress:
+        scores, folder = scoring.score(
+            options.agent,
+            protocol=protocol,
+            pool=options.pool,
+            layouts=options.layouts,
+            output=options.output,
+            workers=default_workers() if options.workers is None else options.workers,
+            engine=options.engine,
+            seed=options.seed,
+            on_progress=on_progress,
+        )
+    if options.json:
+        print((folder / scoring.SCORES_FILE).read_text("utf-8"), end="")
+        return 0
+    from overcooked_bench.evaluation.tables import score_tables
+
+    console = _console()
+    console.print(score_tables(scores))
+    for file, what in (
+        (scoring.REPORT_FILE, "the report"),
+        (scoring.SCORES_FILE, "the numbers"),
+        (scoring.CURVE_FILE, "the ordered curve"),
+        (scoring.EPISODES_FILE, "every episode"),
+    ):
+        console.print(f"{Path(folder) / file}  {what}", highlight=False, style="dim")
+    console.print(f"watch the worst one: overcooked-bench replay {folder} --worst", highlight=False, style="dim")
+    return 0
+
+
+def _add_replay(commands: Any) -> None:
+    parser = _command(
+        commands,
+        "replay",
+        _replay,
+        "show a recorded episode in the terminal or as a GIF",
+        "overcooked-bench replay scores/greedy-dev --layout cramped_room --worst --gif worst.gif",
+    )
+    parser.add_argument("score", metavar="DIR", help="the folder of a score, or its episodes.sqlite")
+    parser.add_argument("--layout", metavar="NAME", help="on this layout")
+    parser.add_argument("--partner", metavar="NAME", help="with this partner")
+    parser.add_argument("--seat", type=int, choices=(0, 1), help="with the scored agent on this seat")
+    parser.add_argument("--episode", metavar="N", type=int, help="this start state")
+    parser.add_argument("--training-seed", metavar="N", type=int, help="this training run of the agent")
+    parser.add_argument("--worst", action="store_true", help="the fewest points among those that fit, not the first")
+    parser.add_argument("--gif", metavar="FILE", help="write a GIF in place of showing it")
+    parser.add_argument("--fps", metavar="N", type=float, default=8, help="steps a second (default: 8)")
+    parser.add_argument("--every", metavar="N", type=int, default=1, help="show each N-th step alone")
+
+
+def _replay(options: argparse.Namespace) -> int:
+    from overcooked_bench.evaluation.recording import find_recording
+
+    recording = find_recording(
+        options.score,
+        layout=options.layout,
+        partner=options.partner,
+        seat=options.seat,
+        episode=options.episode,
+        training_seed=options.training_seed,
+        worst=options.worst,
+    )
+    if options.gif:
+        recording.save_gif(options.gif, fps=options.fps, every=options.every)
+        print(f"{options.gif}  {recording.title}")
+    else:
+        print(recording.title)
+        recording.show(fps=options.fps, every=options.every)
+    return 0
+
+
+def _add_train(commands: Any) -> None:
+    parser = _command(
+        commands,
+        "train",
+        lambda options: parser.print_help() or 0,
+        "train a baseline; `overcooked-bench train METHOD --help` shows the method's own options",
+        "overcooked-bench train self-play --layout cramped_room --seed 0 --output runs/self-play",
+    )
+    parser.add_argument("method", metavar="METHOD", nargs="?", help="self-play")
+    parser.add_argument("options", metavar="...", nargs="*", help="passed on to the method")
+
+
+def _train(method: str, rest: list[str]) -> int:
+    from importlib.util import find_spec
+
+    name = f"overcooked_bench.baselines.{method.replace('-', '_')}"
+    if not method.replace("-", "").isalpha() or find_spec(name) is None:
+        print(f"overcooked-bench: no training method named {method!r}; there is self-play", file=sys.stderr)
+        return 2
+    run: Callable[[list[str]], int] = import_module(name).main
+    return run(rest)
+
+
+def _add_list(commands: Any) -> None:
+    parser = _command(
+        commands, "list", _list, "show layouts, agents, protocols and pools", "overcooked-bench list agents --json"
+    )
+    parser.add_argument("kind", nargs="?", choices=("layouts", "agents", "protocols", "pools"), help="only these")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def _list(options: argparse.Namespace) -> int:
+    from overcooked_bench.agents.catalogue import catalogue
+    from overcooked_bench.agents.pool import shipped_pools
+    from overcooked_bench.evaluation.protocol import protocol_names
+    from overcooked_bench.kitchen.layout import layout_names
+
+    found = {
+        "layouts": list(layout_names()),
+        "agents": list(catalogue()),
+        "protocols": list(protocol_names()),
+        "pools": list(shipped_pools()),
+    }
+    chosen = {kind: names for kind, names in found.items() if options.kind in (None, kind)}
+    if options.json:
+        import json
+
+        print(json.dumps(chosen, indent=2))
+        return 0
+    for kind, names in chosen.items():
+        print("\n".join([kind, *(f"  {name}" for name in names)]))
+    return 0
+
+
+def _names(text: str) -> list[str]:
+    return [name.strip() for name in text.split(",") if name.strip()]
+
+
+def _console() -> Any:
+    from rich.console import Console
+
+    return Console(width=None if sys.stdout.isatty() else 100)
+
+
+class _progress:
+    """A progress bar on standard error, where that is a terminal."""
+
+    def __enter__(self) -> Callable[[Any], None]:
+        from rich.console import Console
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+        console = Console(stderr=True)
+        columns = BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn()
+        self._bar = Progress(
+            TextColumn("{task.description}"), *columns, console=console, disable=not console.is_terminal, transient=True
+        )
+        task = self._bar.add_task("compiling and loading", total=None)
+        self._bar.start()
+        return lambda at: self._bar.update(task, description=at.layout, completed=at.blocks, total=at.of)
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
