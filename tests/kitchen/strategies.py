@@ -41,31 +41,42 @@ def menus(draw: st.DrawFn, cooking: str, tomatoes: bool) -> dict[str, Any]:
 
 
 @st.composite
-def layouts(
-    draw: st.DrawFn, cooking: str = "manual", tomatoes: bool | None = None, start_cells: bool = False
-) -> Layout:
-    """A layout of at most 6 by 5 tiles that `Layout` accepts; tomatoes None leaves them to chance."""
+def grids(draw: st.DrawFn, tomatoes: bool, start_cells: bool = False) -> str:
+    """A grid of at most 6 by 5 tiles; what is missing for a soup is rare."""
     width, height = draw(st.integers(4, 6)), draw(st.integers(3, 5))
-    tomatoes = draw(st.booleans()) if tomatoes is None else tomatoes
     edge = [(x, y) for x in range(width) for y in range(height) if x in (0, width - 1) or y in (0, height - 1)]
     inner = [(x, y) for y in range(1, height - 1) for x in range(1, width - 1)]
     walls = [(x, y) for x, y in edge if 0 < x < width - 1 or 0 < y < height - 1]
     needed = "PDSO" + "T" * tomatoes
-    places = draw(st.permutations(walls))
-    extras = "XXXPODS" + "T" * tomatoes
-    grid = {place: draw(st.sampled_from(extras)) for place in edge}
+    grid = {place: draw(st.sampled_from("XXXPODS" + "T" * tomatoes)) for place in edge}
     grid |= {place: draw(st.sampled_from("      XP")) for place in inner}
-    grid |= dict(zip(places, needed, strict=False))
+    grid |= dict(zip(draw(st.permutations(walls)), needed, strict=False))
     if start_cells:
         floor = [place for place in inner if grid[place] == " "]
         assume(len(floor) >= 2)
         grid |= dict(zip(draw(st.permutations(floor))[:2], "12", strict=True))
-    text = "\n".join("".join(grid[x, y] for x in range(width)) for y in range(height))
+    return "\n".join("".join(grid[x, y] for x in range(width)) for y in range(height))
+
+
+@st.composite
+def described_layouts(
+    draw: st.DrawFn, cooking: str = "manual", tomatoes: bool | None = None, start_cells: bool = False
+) -> tuple[Layout, dict[str, Any]]:
+    """A small layout that `Layout` accepts, and the menu it was made with; tomatoes None leaves them to chance."""
+    tomatoes = draw(st.booleans()) if tomatoes is None else tomatoes
+    menu = draw(menus(cooking, tomatoes))
     try:
-        return Layout.from_text(text, **draw(menus(cooking, tomatoes)))
+        return Layout.from_text(draw(grids(tomatoes, start_cells)), **menu), menu
     except LayoutError:
         assume(False)
         raise
+
+
+def layouts(
+    cooking: str = "manual", tomatoes: bool | None = None, start_cells: bool = False
+) -> st.SearchStrategy[Layout]:
+    """A small layout that `Layout` accepts."""
+    return described_layouts(cooking, tomatoes, start_cells).map(lambda described: described[0])
 
 
 def soups(layout: Layout, in_pot: bool = False) -> st.SearchStrategy[Soup]:
