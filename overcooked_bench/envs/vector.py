@@ -105,6 +105,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
         self._stream_seeds: list[int] = []
         self._started = False
         self._everyone = np.ones(num_envs, np.bool_)
+        self._everyone.flags.writeable = False
         self._first_rows = 2 * np.arange(num_envs)
         self._seats = np.zeros(num_envs, np.int64)
         self._rows = self._first_rows.copy()  # where the ego agents' entries are among 2N
@@ -163,7 +164,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
         Returns:
             (N, ...) observations, (N,) rewards, (N,) False, (N,) whether the horizon was reached, and information:
             `soup_reward`, `partial_reward` and `seat` with their masks; at the horizon also `final_obs` and
-            `final_info`. All arrays are fresh.
+            `final_info`. All arrays are fresh but the masks of the first three, which cannot be written.
 
         Raises:
             ResetNeeded: `reset` was never called.
@@ -184,7 +185,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
         soup = soup_rewards.dot(_BOTH)
         partial = partial_rewards.reshape(-1)[self._rows]
         reward = soup + self._shaping * partial if self._shaping else soup.copy()
-        if np.count_nonzero(truncated):
+        if 1 in truncated.tobytes():  # a fifth of the time of truncated.any()
             infos = self._finish(truncated, soup, partial)
         else:
             infos = self._information(soup, partial, self._seats, self._everyone)
@@ -203,14 +204,13 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
     def _information(
         self, soup: NDArray[np.float64], partial: NDArray[np.float64], seats: NDArray[np.int64], mask: NDArray[np.bool_]
     ) -> dict[str, Any]:
-        shared = mask.copy()
         return {
             "soup_reward": soup,
-            "_soup_reward": shared,
+            "_soup_reward": mask,
             "partial_reward": partial,
-            "_partial_reward": shared,
+            "_partial_reward": mask,
             "seat": seats.copy(),
-            "_seat": shared,
+            "_seat": mask,
         }
 
     def _finish(
@@ -227,7 +227,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
         for i in np.flatnonzero(over):
             final_obs[i] = last[i].copy()
         final_info = self._information(
-            np.where(over, soup, 0.0), np.where(over, partial, 0.0), np.where(over, self._seats, 0), over
+            np.where(over, soup, 0.0), np.where(over, partial, 0.0), np.where(over, self._seats, 0), over.copy()
         )
         self.kitchens.reset(mask=over)
         self._start_episodes(over)
@@ -291,4 +291,4 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
                 "options['reset_mask'] leaves kitchens out, yet this partner's episodes must start together; "
                 "reset all kitchens, or use partner='stay'"
             )
-        return mask
+        return mask.copy()
