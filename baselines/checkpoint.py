@@ -1,0 +1,106 @@
+"""Checkpoints of a PPO run that it can go on from as if nothing had happened.
+
+One file of tensors and plain values, written whole or not at all and read with `weights_only=True`. SB3's own save and
+load are not used: they unpickle, and they leave out the environment and the random states.
+"""
+
+import json
+import os
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import torch
+from stable_baselines3 import PPO
+
+from overcooked_bench.envs.sb3 import OvercookedVecEnv
+
+FORMAT: Final = 1
+
+
+class CheckpointError(ValueError):
+    """A checkpoint is missing, damaged or of another run."""
+
+
+def save_checkpoint(path: Path, model: PPO, config: dict[str, Any]) -> None:
+    """Writes a run's whole state; only between an update and the next rollout.
+
+    Args:
+        path: The file, replaced in one go.
+        model: The learner, with an `OvercookedVecEnv`.
+        config: The run's resolved configuration, compared on load.
+    """
+    env = model.get_env()
+    assert isinstance(env, OvercookedVecEnv)
+    assert model._last_episode_starts is not None
+    name, keys, position, has_gauss, gauss = np.random.get_state()  # noqa: NPY002 (SB3 shuffles with it)
+    arrays = {
+        **{f"env.{key}": array for key, array in env.snapshot().items()},
+        "numpy.keys": np.asarray(keys),
+        "last_obs": np.asarray(model._last_obs),
+        "last_episode_starts": np.asarray(model._last_episode_starts),
+    }
+    content = {
+        "format": FORMAT,
+        "plain": json.dumps(
+            {
+                "config": config,
+                "num_timesteps": model.num_timesteps,
+                "n_updates": model._n_updates,
+                "numpy": [name, int(position), int(has_gauss), float(gauss)],
+                "episodes": list(model.ep_info_buffer or []),
+            }
+        ),
+        "policy": model.policy.state_dict(),
+        "optimizer": model.policy.optimizer.state_dict(),
+        "torch_random": torch.get_rng_state(),
+        "arrays": {key: _as_tensor(array) for key, array in arrays.items()},
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = path.with_suffix(".part")
+    torch.save(content, unfinished)
+    os.replace(unfinished, path)
+
+
+def load_checkpoint(path: Path, model: PPO, config: dict[str, Any]) -> None:
+    """Brings a freshly made learner to where a checkpoint was written.
+
+    Raises:
+        CheckpointError: No such file, not readable, or the configuration differs; says in what.
+    """
+    try:
+        content = torch.load(path, weights_only=True)
+        plain = json.loads(content["plain"])
+    except FileNotFoundError:
+        raise CheckpointError(f"{path}: no checkpoint to resume from; start without --resume") from None
+    except Exception as error:
+        raise CheckpointError(f"{path}: not a checkpoint of ours ({type(error).__name__}: {error})") from None
+    if content.get("format") != FORMAT:
+        raise CheckpointError(f"{path}: format {content.get('format')!r}; this version reads {FORMAT}")
+    differing = sorted(key for key in {*config, *plain["config"]} if config.get(key) != plain["config"].get(key))
+    if differing:
+        told = ", ".join(f"{key} was {plain['config'].get(key)!r}, is {config.get(key)!r}" for key in differing)
+        raise CheckpointError(f"{path}: the checkpoint belongs to another configuration ({told}); choose another --output")
+    arrays = {key: _as_array(value) for key, value in content["arrays"].items()}
+    env = model.get_env()
+    assert isinstance(env, OvercookedVecEnv)
+    env.restore({key.removeprefix("env."): array for key, array in arrays.items() if key.startswith("env.")})
+    model.policy.load_state_dict(content["policy"])
+    model.policy.optimizer.load_state_dict(content["optimizer"])
+    model.num_timesteps, model._n_updates = plain["num_timesteps"], plain["n_updates"]
+    model._last_obs = arrays["last_obs"]
+    model._last_episode_starts = arrays["last_episode_starts"]
+    model.ep_info_buffer.extend(plain["episodes"])  # type: ignore[union-attr]
+    torch.set_rng_state(content["torch_random"])
+    name, position, has_gauss, gauss = plain["numpy"]
+    np.random.set_state((name, arrays["numpy.keys"], position, has_gauss, gauss))  # noqa: NPY002
+
+
+def _as_tensor(array: np.ndarray[Any, Any]) -> dict[str, Any]:
+    """Stores any numeric array as bytes with its type, since torch lacks some of numpy's types."""
+    data = np.ascontiguousarray(array)
+    return {"type": data.dtype.str, "shape": list(array.shape), "bytes": torch.from_numpy(data.reshape(-1).view(np.uint8).copy())}
+
+
+def _as_array(stored: dict[str, Any]) -> np.ndarray[Any, Any]:
+    return stored["bytes"].numpy().view(np.dtype(stored["type"])).reshape(stored["shape"]).copy()  # type: ignore[no-any-return]

@@ -1,0 +1,13 @@
+"""Training seeds that cannot be shared by accident: each is a hash of what it is for."""
+
+import hashlib
+from typing import Final
+
+USER: Final = "user"
+"""The namespace of `--seed`; pools have namespaces of their own, so that no user's run equals a pool's agent."""
+
+
+def derive_seed(namespace: str, layout: str, method: str, index: int) -> int:
+    """Gives the 32-bit seed of one training run, from SHA-256 of (namespace, layout, method, index)."""
+    text = "\n".join((namespace, layout, method, str(index)))
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "big")
