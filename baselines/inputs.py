@@ -6,12 +6,12 @@ from numpy.typing import NDArray
 from overcooked_bench.kitchen.codes import DIRECTIONS
 from overcooked_bench.kitchen.kitchens import HISTORY
 from overcooked_bench.kitchen.layout import Layout
-from overcooked_bench.kitchen.observations import CHANNELS, CHEF_CHANNELS, NUM_CHANNELS, ONION_CHANNELS
+from overcooked_bench.kitchen.observations import CHANNELS, CHEF_CHANNELS, NUM_CHANNELS, ONION_CHANNELS, PAST_CHANNELS
 
 
 def observed_channels(observation: str) -> tuple[int, ...]:
     """Gives the lossless channel that each plane of a grid observation shows, older states included."""
-    past = tuple(range(CHEF_CHANNELS)) * HISTORY
+    past = PAST_CHANNELS * HISTORY
     return {
         "lossless": ONION_CHANNELS,
         "lossless26": tuple(range(NUM_CHANNELS)),

@@ -56,11 +56,11 @@ class _Mirrored:
 
 def mirror_grid(observations: NDArray[Any]) -> NDArray[Any]:
     """Reverses grid observations left to right: (..., planes, H, W) of any of the four kinds, a fresh array."""
-    from overcooked_bench.kitchen.observations import CHANNELS, CHEF_CHANNELS, ONION_CHANNELS
+    from overcooked_bench.kitchen.observations import CHANNELS, ONION_CHANNELS, PAST_CHANNELS
 
     planes = observations.shape[-3]
     names = list(CHANNELS) if planes == len(CHANNELS) else [CHANNELS[k] for k in ONION_CHANNELS]
-    chefs = names[:CHEF_CHANNELS]
+    chefs = [CHANNELS[k] for k in PAST_CHANNELS]
     while len(names) < planes:  # stack_channels: the chefs of older states follow
         names += [f"{len(names)} {chef}" for chef in chefs]
     source = []

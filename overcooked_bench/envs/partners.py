@@ -54,7 +54,7 @@ class Partners:
         shown: dict[str, Any] = {}
         actions = np.empty(kitchens.num_kitchens, np.int64)
         for mate, share in zip(self._mates, self._shares, strict=True):
-            if mate.observation not in shown and mate.observation != "state":
+            if len(self._mates) > 1 and mate.observation not in (*shown, "state"):
                 shown[mate.observation] = kitchens.observe(mate.observation)
             actions[share] = mate.act(kitchens, shown.get(mate.observation))
         return actions

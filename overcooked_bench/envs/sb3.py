@@ -177,9 +177,10 @@ class OvercookedVecEnv(VecEnv):
             self._partners.reset(self.kitchens, 1 - seats, seeds)
 
     def _views(self) -> NDArray[Any]:
+        if self._partners:
+            return self.kitchens.observe(self._observation, seats=self._rows & 1)
         views = self.kitchens.observe(self._observation)
-        flat = views.reshape(2 * self._num_kitchens, *views.shape[2:])
-        return flat.take(self._rows, 0) if self._partners else flat
+        return views.reshape(-1, *views.shape[2:])
 
     def get_images(self) -> Sequence[NDArray[Any] | None]:
         """Draws every kitchen: N pictures (h, w, 3) uint8."""

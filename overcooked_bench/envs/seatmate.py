@@ -58,7 +58,7 @@ class Seatmate:
             share: (N,) which of the kitchens this partner serves, all by default.
         """
         share = np.arange(kitchens.num_kitchens) if share is None else share
-        self._rows = 2 * share + seats
+        self._rows, self._seats = 2 * share + seats, seats if len(share) == kitchens.num_kitchens else None
         self._agent.reset(kitchens.layout.name, seats, seeds)
 
     def act(self, kitchens: Kitchens, views: NDArray[Any] | None = None) -> NDArray[Any]:
@@ -79,8 +79,11 @@ class Seatmate:
         if self.observation == _STATE:
             shown = [kitchens.state(int(row) >> 1) for row in self._rows]
         else:
-            views = kitchens.observe(self.observation) if views is None else views
-            shown = views.reshape(-1, *views.shape[2:]).take(self._rows, 0)
+            if views is None and self._seats is not None:
+                shown = kitchens.observe(self.observation, seats=self._seats)
+            else:
+                views = kitchens.observe(self.observation) if views is None else views
+                shown = views.reshape(-1, *views.shape[2:]).take(self._rows, 0)
         actions = np.asarray(self._agent.act(shown))
         if actions.shape != (n,) or actions.dtype.kind not in "iu":
             raise ValueError(

@@ -173,7 +173,8 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
         self._joint[:] = STAY_ACTION
         if self._partner:
             self._partner.reset(self.kitchens, np.array([1 - self._seat]), np.array([draw >> 1], np.uint64))
-        view = self.kitchens.observe(self._observation)[0, self._seat]
+        self._seats = np.array([self._seat])
+        view = self.kitchens.observe(self._observation, None, self._seats)[0]
         return view, {"soup_reward": 0.0, "partial_reward": 0.0, "seat": self._seat}
 
     def step(self, action: Any) -> tuple[NDArray[Any], float, bool, bool, dict[str, Any]]:
@@ -205,7 +206,7 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
         soup = result.soup_reward.item(0) + result.soup_reward.item(1)
         partial = result.partial_reward.item(seat)
         return (
-            self.kitchens.observe(self._observation)[0, seat],
+            self.kitchens.observe(self._observation, None, self._seats)[0],
             soup + self._shaping * partial,
             False,
             result.truncated.item(0),

@@ -111,8 +111,6 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
         self._rows = self._first_rows.copy()  # where the ego agents' entries are among 2N
         self._joint = np.full((num_envs, 2), STAY_ACTION, np.int64)
         self._flat_joint = self._joint.reshape(-1)
-        self._views = self.kitchens.observe(observation)
-        self._flat_views = self._views.reshape(2 * num_envs, *self._views.shape[2:])
 
     @property  # type: ignore[misc]
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
@@ -198,8 +196,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
         return tuple(frame(self.kitchens, i, self.render_mode) for i in range(self.num_envs))
 
     def _observe(self) -> NDArray[Any]:
-        self.kitchens.observe(self._observation, out=self._views)
-        return self._flat_views.take(self._rows, 0)
+        return self.kitchens.observe(self._observation, None, self._seats)
 
     def _information(
         self, soup: NDArray[np.float64], partial: NDArray[np.float64], seats: NDArray[np.int64], mask: NDArray[np.bool_]

@@ -88,28 +88,33 @@ def _actions_to(plan: Plan, goal: int) -> NDArray[np.int64]:
 
 @jit
 def write_features(
-    rows: NDArray[np.int16], pots: NDArray[np.int16], around: NDArray[np.int16], out: NDArray[np.float32]
+    rows: NDArray[np.int16],
+    pots: NDArray[np.int16],
+    around: NDArray[np.int16],
+    seats: NDArray[np.int64],
+    out: NDArray[np.float32],
 ) -> None:
-    """Writes both chefs' features of N kitchens.
+    """Writes chefs' features in N kitchens.
 
     Args:
         rows: (N, ...) int16, see `Batch`.
         pots: (P,) int16, see `Plan`.
         around: (C, 4, 20) int16, from `measure`.
-        out: (N, 2, 96) float32, written.
+        seats: (N, V) int64, whose features are wanted.
+        out: (N, V, 96) float32, written.
     """
     for i in range(rows.shape[0]):
-        for viewer in range(2):
-            other = 1 - viewer
+        for v in range(seats.shape[1]):
+            viewer, other = seats[i, v], 1 - seats[i, v]
             for k in range(NUM_FEATURES):
-                out[i, viewer, k] = 0
+                out[i, v, k] = 0
             own_place, other_place = around[rows[i, POSITION + viewer], 0], around[rows[i, POSITION + other], 0]
             for axis in range(2):
-                out[i, viewer, 2 * _BLOCK + axis] = other_place[_PLACE + axis] - own_place[_PLACE + axis]
-                out[i, viewer, 2 * _BLOCK + 2 + axis] = own_place[_PLACE + axis]
+                out[i, v, 2 * _BLOCK + axis] = other_place[_PLACE + axis] - own_place[_PLACE + axis]
+                out[i, v, 2 * _BLOCK + 2 + axis] = own_place[_PLACE + axis]
             for block in range(2):
                 chef = other if block else viewer
-                _write_block(rows[i], pots, around, chef, out[i, viewer], block * _BLOCK)
+                _write_block(rows[i], pots, around, chef, out[i, v], block * _BLOCK)
 
 
 @jit

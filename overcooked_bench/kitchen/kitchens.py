@@ -112,6 +112,7 @@ class Kitchens:
         self._no_events = np.zeros((num_kitchens, 0, len(EVENTS)), np.bool_)
         plan = self.plan
         self._tables = (plan.ways, plan.outcomes, plan.by_code, plan.payments, plan.pots)
+        self._both = np.tile(np.arange(2), (num_kitchens, 1))
         self._everyone = np.ones(num_kitchens, np.bool_)
         self._past = _Past(self.batch) if history else None
         self.reset()
@@ -189,45 +190,50 @@ class Kitchens:
             "actions are 0 north, 1 south, 2 east, 3 west, 4 stay, 5 interact"
         )
 
-    def observe(self, name: str, out: NDArray[Any] | None = None) -> NDArray[Any]:
-        """Shows every kitchen as both chefs see it; changes nothing.
+    def observe(
+        self, name: str, out: NDArray[Any] | None = None, seats: NDArray[np.int64] | None = None
+    ) -> NDArray[Any]:
+        """Shows every kitchen as both chefs see it, or as one of them does; changes nothing.
 
         Args:
             name: One of `OBSERVATIONS`.
             out: A contiguous array of the right shape and type to write into, in place of a fresh one.
+            seats: (N,) int64 zeros and ones, for the view of one chef in each kitchen.
 
         Returns:
-            (N, 2, *observation_shape(name)), uint8, for "features" float32; [:, k] as chef k sees it.
+            (N, 2, *observation_shape(name)), uint8, for "features" float32; [:, k] as chef k sees it. With `seats`
+            (N, *observation_shape(name)).
 
         Raises:
             ValueError: An unknown name, "lossless" where tomatoes are, a stack without history, a wrong `out`.
         """
         if name not in self._shapes:
-            self._shapes[name] = (self.num_kitchens, 2, *self.observation_shape(name))
-        shape, dtype = self._shapes[name], np.float32 if name == "features" else np.uint8
+            self._shapes[name] = self.observation_shape(name)
+        n, shape = self.num_kitchens, self._shapes[name]
+        dtype = np.float32 if name == "features" else np.uint8
+        shape = (n, 2, *shape) if seats is None else (n, *shape)
         if out is None:
             out = np.empty(shape, dtype)
         elif out.shape != shape or out.dtype != dtype or not out.flags.c_contiguous:
             raise ValueError(f"out is {out.dtype} {out.shape}; {name!r} needs a contiguous {np.dtype(dtype)} {shape}")
+        viewers = self._both if seats is None else seats.reshape(n, 1)
+        views = out.reshape(n, viewers.shape[1], -1)
         batch = self.batch
         if name == "features":
             if self._around is None:
                 self._around = measure(self.layout, self.plan)
-            write_features(batch.rows, self.plan.pots, self._around, out)
+            write_features(batch.rows, self.plan.pots, self._around, viewers, views)
             return out
-        views = out.reshape(self.num_kitchens, 2, -1)
         runs = _LOSSLESS26 if name == "lossless26" else _LOSSLESS
-        write_views(batch.rows, batch.image, runs, views, 0)
+        write_views(batch.rows, batch.image, runs, viewers, views, 0)
         if name in STACKED:
             assert self._past is not None
-            cells = len(self.plan.fresh)
-            if name == "stack_channels":
-                views[:, :, _ONION_PLANES * cells :] = 0
             for age, (rows, image) in enumerate(self._past.newest_first(), start=1):
                 if name == "stack_states":
-                    write_views(rows, image, runs, views, age * _ONION_PLANES)
+                    write_views(rows, image, runs, viewers, views, age * _ONION_PLANES)
                 else:
-                    write_chefs(rows, cells, views, _ONION_PLANES + (age - 1) * CHEF_CHANNELS)
+                    at = _ONION_PLANES + (age - 1) * CHEF_CHANNELS
+                    write_chefs(rows, len(self.plan.fresh), viewers, views, at)
         return out
 
     def observation_shape(self, name: str) -> tuple[int, ...]:

@@ -27,6 +27,9 @@ CHANNELS: Final = (
 
 NUM_CHANNELS: Final = len(CHANNELS)
 CHEF_CHANNELS: Final = 10
+PAST_CHANNELS: Final = (0, 2, 3, 4, 5, 1, 6, 7, 8, 9)
+"""What "stack_channels" shows of each past state: own position and facing, then the other's."""
+
 FIRST_TILE: Final = CHANNELS.index("pots")
 FIRST_OBJECT: Final = CHANNELS.index("onions_in_pot")
 REMAINING: Final = CHANNELS.index("cook_time_remaining")
@@ -108,46 +111,56 @@ def paint_kitchen(
 
 @jit
 def write_views(
-    rows: NDArray[np.int16], image: NDArray[np.uint8], runs: NDArray[np.int64], out: NDArray[np.uint8], first: int
+    rows: NDArray[np.int16],
+    image: NDArray[np.uint8],
+    runs: NDArray[np.int64],
+    seats: NDArray[np.int64],
+    out: NDArray[np.uint8],
+    first: int,
 ) -> None:
-    """Copies whole planes of N kitchens to both chefs' views and marks the chefs.
+    """Copies whole planes of N kitchens to the chefs' views and marks the chefs.
 
     Args:
         rows: (N, ...) int16, see `Batch`.
         image: (N, 26 * C) uint8.
         runs: (R, 3) int64, runs of planes to copy: first plane of the image, first plane of the view, how many.
-        out: (N, 2, planes * C) uint8, written; view k is chef k's.
+        seats: (N, V) int64, whose views are wanted.
+        out: (N, V, planes * C) uint8, written.
         first: Plane of the views to begin at.
     """
     num_cells = image.shape[1] // NUM_CHANNELS
     for i in range(image.shape[0]):
-        for viewer in range(2):
+        for v in range(seats.shape[1]):
             for run in range(runs.shape[0]):
                 size = runs[run, 2] * num_cells
                 source = image[i][runs[run, 0] * num_cells :]
-                view = out[i, viewer][(first + runs[run, 1]) * num_cells :]
+                view = out[i, v][(first + runs[run, 1]) * num_cells :]
                 for k in range(size):
                     view[k] = source[k]
-        mark_chefs(rows[i], num_cells, out[i], first)
+            row, own, other = rows[i], seats[i, v], 1 - seats[i, v]
+            own_cell, other_cell = row[POSITION + own], row[POSITION + other]
+            view = out[i, v][first * num_cells :]
+            view[own_cell] = 1
+            view[num_cells + other_cell] = 1
+            view[(2 + row[FACING + own]) * num_cells + own_cell] = 1
+            view[(6 + row[FACING + other]) * num_cells + other_cell] = 1
 
 
 @jit
-def write_chefs(rows: NDArray[np.int16], num_cells: int, out: NDArray[np.uint8], first: int) -> None:
-    """Marks the chefs of N kitchens in ten empty planes of both views, from plane `first` on; out (N, 2, planes * C)."""
-    for i in range(out.shape[0]):
-        mark_chefs(rows[i], num_cells, out[i], first)
-
-
-@jit
-def mark_chefs(row: NDArray[np.int16], num_cells: int, views: NDArray[np.uint8], first: int) -> None:
-    """Sets the ten chef channels of one kitchen in both views, (2, planes * C), over zeros from plane `first` on."""
-    for viewer in range(2):
-        other = 1 - viewer
-        own_cell, other_cell = row[POSITION + viewer], row[POSITION + other]
-        views[viewer, first * num_cells + own_cell] = 1
-        views[viewer, (first + 1) * num_cells + other_cell] = 1
-        views[viewer, (first + 2 + row[FACING + viewer]) * num_cells + own_cell] = 1
-        views[viewer, (first + 6 + row[FACING + other]) * num_cells + other_cell] = 1
+def write_chefs(
+    rows: NDArray[np.int16], num_cells: int, seats: NDArray[np.int64], out: NDArray[np.uint8], first: int
+) -> None:
+    """Writes the ten planes `PAST_CHANNELS` of N kitchens from plane `first` on; otherwise as `write_views`."""
+    for i in range(rows.shape[0]):
+        for v in range(seats.shape[1]):
+            view = out[i, v][first * num_cells :]
+            for k in range(CHEF_CHANNELS * num_cells):
+                view[k] = 0
+            for block in range(2):
+                chef = seats[i, v] if block == 0 else 1 - seats[i, v]
+                cell, plane = rows[i, POSITION + chef], 5 * block
+                view[plane * num_cells + cell] = 1
+                view[(plane + 1 + rows[i, FACING + chef]) * num_cells + cell] = 1
 
 
 def plane_runs(channels: tuple[int, ...]) -> NDArray[np.int64]:

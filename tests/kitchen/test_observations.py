@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overcooked_bench import Chef, Kitchens, KitchenState, Soup
-from overcooked_bench.kitchen.observations import CHANNELS, ONION_CHANNELS
+from overcooked_bench.kitchen.observations import CHANNELS, ONION_CHANNELS, PAST_CHANNELS
 from tests.kitchen.strategies import SEEDS, joint_actions, law, layouts, states
 
 ALL = ("lossless", "lossless26", "features", "stack_channels", "stack_states")
@@ -70,7 +70,7 @@ def test_stacks_are_the_recorded_past(data, seed):
             past[i].extend([now[i]] * (4 if restarted[i] else 1))
         newest_first = np.stack([np.stack(list(past[i])[::-1], axis=1) for i in range(2)])
         np.testing.assert_array_equal(kitchens.observe("stack_states"), newest_first)
-        flat = [newest_first[:, :, 0], *(newest_first[:, :, age, :10] for age in (1, 2, 3))]
+        flat = [newest_first[:, :, 0], *(newest_first[:, :, age, list(PAST_CHANNELS)] for age in (1, 2, 3))]
         np.testing.assert_array_equal(kitchens.observe("stack_channels"), np.concatenate(flat, axis=2))
 
 
