@@ -56,7 +56,17 @@ def _exit_code(error: Exception) -> int | None:
 
     if isinstance(error, ScoringFault):
         return 1
-    wrong_use = (AgentError, PolicyError, PoolError, EngineError, ProtocolError, ScoresError, StoreError, LayoutError, OSError)
+    wrong_use = (
+        AgentError,
+        PolicyError,
+        PoolError,
+        EngineError,
+        ProtocolError,
+        ScoresError,
+        StoreError,
+        LayoutError,
+        OSError,
+    )
     return 2 if isinstance(error, wrong_use) else None
 
 
@@ -192,7 +202,7 @@ def _add_train(commands: Any) -> None:
     parser = _command(
         commands,
         "train",
-        lambda options: parser.print_help() or 0,
+        lambda _: main(["train", "--help"]),
         "train a baseline; `overcooked-bench train METHOD --help` shows the method's own options",
         "overcooked-bench train self-play --layout cramped_room --seed 0 --output runs/self-play",
     )
@@ -257,7 +267,14 @@ class _progress:
 
     def __enter__(self) -> Callable[[Any], None]:
         from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            Progress,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
 
         console = Console(stderr=True)
         columns = BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn()

@@ -21,6 +21,7 @@ from overcooked_bench.evaluation.store import Episode, pack_actions, pack_state
 from overcooked_bench.evaluation.streams import stream_key
 from overcooked_bench.kitchen.layout import MIRRORED
 
+
 @dataclass(frozen=True)
 class Block:
     """What is to be played; small enough to be sent anywhere.
@@ -166,7 +167,9 @@ def _blame(
 ) -> str:
     if fault.row is None:
         names = ", ".join(partner.name for partner in partners)
-        where = f"partners {names} (one call plays them all), seats {' and '.join(map(str, sorted(block.protocol.seats)))}"
+        where = (
+            f"partners {names} (one call plays them all), seats {' and '.join(map(str, sorted(block.protocol.seats)))}"
+        )
     else:
         where = f"partner {partners[who[fault.row]].name}, seat {seats[fault.row]}"
     step = "at the reset" if fault.step is None else f"step {fault.step}"

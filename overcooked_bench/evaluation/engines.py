@@ -6,6 +6,7 @@ Only the parent writes anything; results come back in any order.
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing, contextmanager
+from importlib import import_module
 from importlib.util import find_spec
 from typing import Any, Final, TypeVar
 
@@ -78,13 +79,14 @@ def _backend(engine: str, workers: int) -> AbstractContextManager[Any]:
 def _dask(workers: int) -> Iterator[None]:
     if find_spec("distributed") is None:
         raise EngineError("--engine dask needs Dask: pip install 'dask[distributed]'")
-    import dask
     import joblib
-    from distributed import Client
 
-    address = dask.config.get("scheduler-address", None)
-    settings = {"address": address} if address else {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
-    with Client(**settings), joblib.parallel_config(backend="dask"):
+    client, config = import_module("distributed").Client, import_module("dask").config
+    address = config.get("scheduler-address", None)
+    settings = (
+        {"address": address} if address else {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
+    )
+    with client(**settings), joblib.parallel_config(backend="dask"):
         yield
 
 
@@ -93,8 +95,7 @@ def _ray() -> Iterator[None]:
     if find_spec("ray") is None:
         raise EngineError("--engine ray needs Ray: pip install ray")
     import joblib
-    from ray.util.joblib import register_ray
 
-    register_ray()
+    import_module("ray.util.joblib").register_ray()
     with joblib.parallel_config(backend="ray"):
         yield

@@ -62,8 +62,8 @@ def identify(agent: str | Path) -> Entrant:
 def agent_maker(reference: str, mode: str) -> Callable[[str, int], Agent]:
     """Gives `make(layout, training_seed)`, which makes the agent anew.
 
-    A submission is imported once a process and its `make_agent` called for every block, so that no block depends on what
-    was played before.
+    A submission is imported once a process and its `make_agent` called for every block, so that no block depends on
+    what was played before.
     """
     if is_submission(Path(reference)):
         return _submission(reference).make_agent
@@ -88,8 +88,9 @@ def _submission(path: str) -> Submission:
 
 
 def _frozen(name: str) -> "Policy | None":
+    from overcooked_bench.agents.manifest import MANIFEST, read_manifest
     from overcooked_bench.agents.policy import load_policy
-    from overcooked_bench.agents.pool import MANIFEST, Pool, find_pool, read_manifest, shipped_pools
+    from overcooked_bench.agents.pool import Pool, find_pool, shipped_pools
 
     if name.endswith((".safetensors", ".json")):
         return load_policy(name)

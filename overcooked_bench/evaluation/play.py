@@ -182,7 +182,7 @@ def play(kitchens: Kitchens, parties: Sequence[Party], seeds: NDArray[np.uint64]
 def _checked(answer: Any, rows: int, party: int, step: int) -> NDArray[np.int64]:
     """Gives an agent's answer as (rows,) int64; the usual answer costs one look."""
     if isinstance(answer, np.ndarray) and answer.dtype == np.int64 and answer.shape == (rows,):
-        if 0 <= answer.min() and answer.max() < NUM_ACTIONS:
+        if answer.min() >= 0 and answer.max() < NUM_ACTIONS:
             return answer
         row = int(np.argmax((answer < 0) | (answer >= NUM_ACTIONS)))
         raise PlayFault(f"act returned the action {answer[row]}; actions are 0 to {NUM_ACTIONS - 1}", party, step, row)

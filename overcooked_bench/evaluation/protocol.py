@@ -105,7 +105,8 @@ def load_protocol(source: str | Path = NEWEST) -> Protocol:
     near = difflib.get_close_matches(text, protocol_names(), n=1, cutoff=0.4)
     hint = f"did you mean {near[0]!r}? " if near else ""
     raise ProtocolError(
-        f"no protocol named {text!r}; {hint}Shipped are {', '.join(protocol_names())}; the path of a YAML file will do too"
+        f"no protocol named {text!r}; {hint}Shipped are {', '.join(protocol_names())}; "
+        "the path of a YAML file will do too"
     )
 
 

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -74,14 +76,19 @@ def roster(protocol: Protocol, pool: Pool | None, layout: str) -> tuple[Partner,
     scripted = [Partner(name, scripted_hash(name), SCRIPTED) for name in protocol.partners]
     floors = [Partner(name, scripted_hash(name), FLOOR) for name in protocol.floors]
     partners = sorted(trained + scripted + floors, key=lambda partner: partner.name)
-    for partner, following in zip(partners, partners[1:], strict=False):
+    for partner, following in pairwise(partners):
         if partner.name == following.name:
             raise ProtocolError(f"two partners on {layout} are named {partner.name!r}; rename the pool's agent")
     return tuple(partners)
 
 
 def seat_partners(
-    partners: Sequence[Partner], who: NDArray[np.int64], seats: NDArray[np.int64], pool: Pool | None, mode: str, layout: str
+    partners: Sequence[Partner],
+    who: NDArray[np.int64],
+    seats: NDArray[np.int64],
+    pool: Pool | None,
+    mode: str,
+    layout: str,
 ) -> list[Party]:
     """Makes the agents that play the partners: one for all policies of an architecture, one for each scripted name.
 
@@ -93,8 +100,6 @@ def seat_partners(
         mode: How they act.
         layout: Where they play.
     """
-    from overcooked_bench.agents.catalogue import load_agent
-
     parties: list[Party] = []
     home = _plain(layout)
     stacks: dict[Architecture, list[int]] = {}
@@ -104,7 +109,7 @@ def seat_partners(
             stacks.setdefault(pool.policy(home, partner.name).architecture, []).append(index)
         else:
             rows = np.flatnonzero(who == index)
-            parties.append(Party(load_agent(partner.name, layout), rows, seats[rows]))
+            parties.append(Party(_scripted(partner.name, layout), rows, seats[rows]))
     for indices in stacks.values():
         from overcooked_bench.agents.mirror import mirrored
         from overcooked_bench.agents.neural import NeuralAgent
@@ -116,6 +121,14 @@ def seat_partners(
         agent: Agent = NeuralAgent(policies, mode, index=np.searchsorted(indices, who[rows]))  # type: ignore[arg-type]
         parties.append(Party(agent if home == layout else mirrored(agent), rows, seats[rows]))
     return parties
+
+
+@lru_cache(maxsize=64)
+def _scripted(name: str, layout: str) -> "Agent":
+    """Makes a scripted partner once a process: a reset is all that it needs, and its paths are long to find."""
+    from overcooked_bench.agents.catalogue import load_agent
+
+    return load_agent(name, layout)
 
 
 def _plain(layout: str) -> str:

@@ -14,10 +14,13 @@ from overcooked_bench.agents.pool import Pool
 from overcooked_bench.evaluation.block import Block, play_block
 from overcooked_bench.evaluation.engines import map_tasks
 from overcooked_bench.evaluation.entrant import Entrant, identify
+from overcooked_bench.evaluation.plots import draw_curve
 from overcooked_bench.evaluation.protocol import NEWEST, Protocol, ProtocolError, load_protocol
+from overcooked_bench.evaluation.report import write_report
 from overcooked_bench.evaluation.roster import check_pool, roster
-from overcooked_bench.evaluation.scores import SCHEMA, Scores, Source, compute_layouts, describe_interval
+from overcooked_bench.evaluation.scores import SCHEMA, Scores, Source
 from overcooked_bench.evaluation.store import Store
+from overcooked_bench.evaluation.summary import compute_layouts, describe_interval
 from overcooked_bench.kitchen.layout import Layout
 
 EPISODES_FILE: Final = "episodes.sqlite"
@@ -98,7 +101,8 @@ def score(
     started, clock = datetime.now(UTC), time.monotonic()
     rules = protocol if isinstance(protocol, Protocol) else load_protocol(protocol)
     entrant = identify(agent)
-    partners = Pool.load(pool or rules.pool) if pool or rules.pool else None
+    source = pool or rules.pool
+    partners = Pool.load(source) if source else None
     chosen, skipped = _choose(rules, layouts, entrant)
     if partners:
         check_pool(partners, rules, chosen)
@@ -138,6 +142,8 @@ def score(
         not_attempted=tuple(layout for layout in (*chosen, *skipped) if layout not in attempted),
         run=_run_facts(started, time.monotonic() - clock, workers, engine),
     )
+    draw_curve(scores, folder / CURVE_FILE)
+    write_report(scores, folder / REPORT_FILE)
     scores.write(folder / SCORES_FILE)
     return Scored(scores, folder)
 

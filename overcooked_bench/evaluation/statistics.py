@@ -1,4 +1,6 @@
-"""Estimates and their intervals. What varies is a training run, not an episode: seeds are the unit wherever there are two.
+"""Estimates and their intervals.
+
+What varies is a training run, not an episode: seeds are the unit wherever there are two.
 
 Axes: S training seeds, P partners, E episode indices.
 """
@@ -82,19 +84,19 @@ class Threshold(NamedTuple):
     """How many partners reach a level.
 
     Attributes:
-        count: Partners with a mean of at least the level, averaged over training seeds; with its interval.
+        reached: Partners with a mean of at least the level, averaged over training seeds; with its interval.
         undecided: Partners whose mean lies within two standard errors of the level.
     """
 
-    count: Interval
+    reached: Interval
     undecided: int
 
 
 def threshold(returns: ArrayLike, level: float) -> Threshold:
     """Counts the partners that reach a level.
 
-    With two training seeds or more the interval is t over the seeds' counts, clipped to what is possible. With one it runs
-    from the partners that reach the level for certain to those that may, by two standard errors over episodes.
+    With two training seeds or more the interval is t over the seeds' counts, clipped to what is possible. With one it
+    runs from the partners that reach the level for certain to those that may, by two standard errors over episodes.
 
     Args:
         returns: (S, P, E) returns, averaged over seats.

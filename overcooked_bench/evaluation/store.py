@@ -159,7 +159,9 @@ class Store:
         """Writes a finished block at once; a block that is there already is left alone."""
         marks = ", ".join("?" * _COLUMNS)
         with self._transaction():
-            written = self._connection.execute("INSERT OR IGNORE INTO blocks VALUES (?, ?, ?, ?)", (*block, int(adapted)))
+            written = self._connection.execute(
+                "INSERT OR IGNORE INTO blocks VALUES (?, ?, ?, ?)", (*block, int(adapted))
+            )
             if written.rowcount:
                 self._connection.executemany(f"INSERT INTO episodes VALUES ({marks})", episodes)
 

@@ -1,0 +1,79 @@
+"""The ordered curve as a picture."""
+
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any, Final
+
+from overcooked_bench.evaluation.scores import LayoutScore, Scores
+from overcooked_bench.kitchen.layout import DEFAULT_SOUP_REWARD
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9")
+"""Seven colours that people with any colour vision tell apart.
+
+Source: Okabe and Ito 2008, "Color Universal Design".
+"""
+_MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X")
+_INK: Final = "#333333"
+
+
+def draw_curve(scores: Scores, file: "str | Path | IO[bytes]", form: str = "png") -> None:
+    """Draws the ordered curve: partners in ascending order of their mean, one curve for each layout.
+
+    With two training seeds or more a band shows each point's own 95 % interval.
+
+    Args:
+        scores: What to draw.
+        file: Where to.
+        form: "png" or "svg".
+    """
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with matplotlib.rc_context({"svg.hashsalt": "overcooked_bench", "font.size": 10, "font.family": "DejaVu Sans"}):
+        figure = Figure(figsize=(8, 4.8), dpi=120, layout="constrained")
+        FigureCanvasAgg(figure)
+        axes = figure.subplots()
+        for index, layout in enumerate(scores.layouts):
+            _draw_layout(axes, layout, COLOURS[index % len(COLOURS)], _MARKERS[index % len(_MARKERS)])
+        _dress(axes, scores)
+        metadata: dict[str, Any] = {"Software": None} if form == "png" else {"Date": None, "Creator": None}
+        figure.savefig(file, format=form, metadata=metadata)
+
+
+def _draw_layout(axes: "Axes", layout: LayoutScore, colour: str, marker: str) -> None:
+    share = [100 * point.rank / layout.partners for point in layout.curve]
+    means = [point.mean for point in layout.curve]
+    values = [mean.value for mean in means]
+    axes.plot(share, values, color=colour, marker=marker, markersize=5, linewidth=1.6, label=layout.layout)
+    if all(mean.low is not None and mean.high is not None for mean in means):
+        low, high = [mean.low or 0.0 for mean in means], [mean.high or 0.0 for mean in means]
+        axes.fill_between(share, low, high, color=colour, alpha=0.15, linewidth=0)
+
+
+def _dress(axes: "Axes", scores: Scores) -> None:
+    for soups in scores.settings.thresholds:
+        axes.axhline(DEFAULT_SOUP_REWARD * soups, color="#999999", linewidth=0.8, linestyle=":")
+        label = f"{soups:g} soup" + "s" * (soups != 1)
+        axes.annotate(
+            *(label, (1.005, DEFAULT_SOUP_REWARD * soups)),
+            xycoords=("axes fraction", "data"),
+            va="center",
+            fontsize=8,
+            color="#666666",
+        )
+    axes.set_xlim(0, 102)
+    axes.set_ylim(bottom=0)
+    axes.set_xlabel("share of the partners, worst first (%)", color=_INK)
+    axes.set_ylabel("points an episode", color=_INK)
+    bands = f"; bands: pointwise 95 % over {scores.training_seeds} training seeds" if scores.training_seeds > 1 else ""
+    pool = scores.pool.name if scores.pool else "no pool"
+    title = f"{scores.agent.name}: ordered curve, protocol {scores.protocol.name}, pool {pool}{bands}"
+    axes.set_title(title, fontsize=10, loc="left", color=_INK)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(axis="y", color="#eeeeee", linewidth=0.6)
+    axes.set_axisbelow(True)
+    if scores.layouts:
+        axes.legend(frameon=False, fontsize=9)
