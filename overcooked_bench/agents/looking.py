@@ -34,20 +34,21 @@ Table = NDArray[np.int64]
 
 # What is seen.
 ME, FACING, HAND, MATE, MATE_FACING, MATE_HAND = range(6)
-# What is remembered: own last cell and whether a step was tried; steps of no advance; how the mate and the pots were,
-# and for how many steps; how often patience ran out; steps yet to keep out of the mate's way.
-LAST_CELL, TRIED, STUCK, MATE_WAS, IDLE, POTS_WERE, STALE, STRIKES, YIELDING = range(6, 15)
+# What is remembered: own last cell and the one before, and whether a step was tried; steps of no advance; how the mate
+# and the pots were, and for how many steps; how often patience ran out; steps yet to keep out of the mate's way; steps
+# yet to go straight (above 0) or round (below 0).
+LAST_CELL, CELL_BEFORE, TRIED, STUCK, MATE_WAS, IDLE, POTS_WERE, STALE, STRIKES, YIELDING, RESOLVED = range(6, 17)
 # What the pots need: all missing ingredients, which (bits), soups under way, steps until the first is ready.
-POTS_NOW, NEED, BITS, SOUPS, SOONEST = range(15, 20)
+POTS_NOW, NEED, BITS, SOUPS, SOONEST = range(17, 22)
 # Counters between the two chefs' regions: how many, how many free, how many carry food, a dish.
-SHARED, ROOM, FOODS, DISHES = range(20, 24)
+SHARED, ROOM, FOODS, DISHES = range(22, 26)
 # Whether both are in one region, one reaches a pot, the mate does, one reaches a serving tile; whether to count on the
 # mate at all, on its dish, on its food; the tile to work at, or -1, the cell to wait on, steps to the tile in `USE`.
-SAME, COOKS, MATE_COOKS, SERVES, ACTIVE, MATE_DISH, MATE_FOOD, GOAL, USE_STEPS = range(24, 33)
+SAME, COOKS, MATE_COOKS, SERVES, ACTIVE, MATE_DISH, MATE_FOOD, GOAL, USE_STEPS = range(26, 35)
 # Errands: the items 1 to 4 to fetch; to wait; to bring what is held; to start a pot; to hand over; to put down; to clear
 # a shared counter. For each the steps of the best way, of the mate's best way, and the tile.
 WAIT, USE, START, HAND_OVER, PUT_DOWN, CLEAR, ERRANDS = 0, 5, 6, 7, 8, 9, 10
-BEST: Final = 33
+BEST: Final = 35
 MATES: Final = BEST + ERRANDS
 AT: Final = MATES + ERRANDS
 FACTS: Final = AT + ERRANDS
@@ -79,11 +80,13 @@ def look(views: NDArray[np.uint8], grid: Table, facts: Facts) -> None:
                 f[first + 1] = view[faces + 1, c] + 2 * view[faces + 2, c] + 3 * view[faces + 3, c]
                 item = view[_ONION, c] + 2 * view[_TOMATO, c] + 3 * view[_DISH, c] + 4 * view[_DONE, c]
                 f[first + 2] = item
-        f[STUCK] = f[STUCK] + 1 if f[TRIED] and f[LAST_CELL] == f[ME] else 0
+        back = f[ME] == f[LAST_CELL] or f[ME] == f[CELL_BEFORE]
+        f[STUCK] = f[STUCK] + 1 if f[TRIED] and back else max(0, f[STUCK] - 1)
         mate = (f[MATE] * 4 + f[MATE_FACING]) * 8 + f[MATE_HAND]
         f[IDLE] = f[IDLE] + 1 if f[MATE_WAS] == mate else 0
-        f[LAST_CELL], f[MATE_WAS], f[TRIED] = f[ME], mate, 0
+        f[CELL_BEFORE], f[LAST_CELL], f[MATE_WAS], f[TRIED] = f[LAST_CELL], f[ME], mate, 0
         f[YIELDING] = max(0, f[YIELDING] - 1)
+        f[RESOLVED] -= (f[RESOLVED] > 0) - (f[RESOLVED] < 0)
 
 
 @jit

@@ -17,6 +17,7 @@ from overcooked_bench.agents.looking import (
     MATE_FACING,
     MATE_HAND,
     ME,
+    RESOLVED,
     STUCK,
     TRIED,
     WAIT,
@@ -24,12 +25,13 @@ from overcooked_bench.agents.looking import (
     Facts,
     Table,
 )
-from overcooked_bench.agents.planning import NEXT
+from overcooked_bench.agents.planning import FAR, NEXT
 from overcooked_bench.kitchen.codes import INTERACT, STAY
 from overcooked_bench.kitchen.jit import jit
 
 _PUSHED_LONG: Final = 3  # steps stuck after which even the one that goes first may step aside
 _YIELD: Final = 3  # steps one keeps out of the way
+_RESOLVE: Final = 8  # steps one keeps to a way, once two ways have been tried in turn
 
 
 @jit
@@ -54,7 +56,11 @@ def walk(
         goal = f[AT + WAIT] if waits else f[GOAL]
         passing = around[mate if around.shape[0] > 1 else 0]
         wait = DETOUR if f[IDLE] < IDLE_LONG else 10 * DETOUR
+        if f[STUCK] > 1 and f[RESOLVED] == 0:
+            f[RESOLVED] = _RESOLVE if coin < 0.5 else -_RESOLVE
         round_it = passing[me, goal] <= ways[me, goal] + wait
+        if f[RESOLVED] != 0:
+            round_it = f[RESOLVED] < 0 and passing[me, goal] < FAR
         here = passing[me, goal] if round_it else ways[me, goal]
         action, ahead = STAY, -1
         for direction in range(4):
