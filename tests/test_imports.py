@@ -1,0 +1,131 @@
+"""`import overcooked_bench` and `overcooked-bench --help` stay light, and rooms import only what they may know."""
+
+import ast
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import overcooked_bench
+
+PACKAGE = Path(overcooked_bench.__file__).parent
+BASELINES = PACKAGE.parent / "baselines"
+HEAVY = ("numba", "torch", "matplotlib", "scipy", "PIL", "stable_baselines3", "pettingzoo", "joblib", "tensorboard")
+
+IMPORT = "import overcooked_bench"
+HELP = "import contextlib, overcooked_bench.cli as cli\nwith contextlib.suppress(SystemExit):\n    cli.main(['--help'])"
+
+
+def run(code: str) -> str:
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
+COMMANDS = {"import": IMPORT, "help": HELP} | {
+    c: HELP.replace("'--help'", f"'{c}', '--help'") for c in ("score", "list")
+}
+
+
+@pytest.mark.parametrize("code", COMMANDS.values(), ids=COMMANDS.keys())
+def test_nothing_heavy_is_imported(code):
+    shown = run(f"{code}\nimport sys\nprint('LOADED', *sorted(sys.modules))")
+    loaded = {name.partition(".")[0] for name in shown.rpartition("LOADED")[2].split()}
+    assert "overcooked_bench" in loaded
+    assert loaded.isdisjoint(HEAVY)
+
+
+@pytest.mark.parametrize("code", [IMPORT, HELP], ids=["import", "help"])
+def test_they_take_less_than_a_second_of_processor_time(code):
+    spent = []
+    for _ in range(5):
+        before = os.times()
+        run(code)
+        after = os.times()
+        spent.append(after.children_user + after.children_system - before.children_user - before.children_system)
+        if spent[-1] < 1:
+            return
+    pytest.fail(f"it took {spent} s")
+
+
+def test_the_command_answers_as_a_program():
+    program = shutil.which("overcooked-bench", path=str(Path(sys.executable).parent))
+    assert program is not None
+    done = subprocess.run([program, "--help"], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "score" in done.stdout
+
+
+@pytest.mark.parametrize("name", overcooked_bench.__all__)
+def test_every_public_name_is_there(name):
+    assert getattr(overcooked_bench, name) is not None
+    assert name in dir(overcooked_bench)
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="no attribute 'Kitchn'"):
+        overcooked_bench.Kitchn  # noqa: B018
+
+
+# What each room may import, besides itself.
+KNOWS = {
+    "kitchen": set(),
+    "rendering": {"kitchen"},
+    "agents": {"kitchen"},
+    "envs": {"kitchen", "agents", "rendering"},
+    "evaluation": {"kitchen", "agents", "rendering"},
+}
+
+
+def imported(path: Path) -> set[str]:
+    """Names of all modules that a file imports, wherever in it."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0 or path.is_relative_to(BASELINES), f"{path.name}: write the import in full"
+            names.add(node.module or "")
+    return names
+
+
+def test_every_room_has_its_rule():
+    rooms = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").is_file()}
+    assert rooms <= set(KNOWS)
+
+
+@pytest.mark.parametrize("room", KNOWS)
+def test_a_room_imports_only_what_it_may_know(room):
+    allowed = {room, *KNOWS[room]}
+    for path in (PACKAGE / room).rglob("*.py"):
+        for name in imported(path):
+            found = re.match(r"overcooked_bench\.(\w+)", name)
+            assert not found or found[1] in allowed, f"{path.relative_to(PACKAGE)} imports {name}"
+            assert name.partition(".")[0] not in ("baselines", "protocols", "tests")
+
+
+def test_nothing_imports_the_baselines_or_the_command_line():
+    for path in PACKAGE.rglob("*.py"):
+        for name in imported(path):
+            assert not name.startswith(("overcooked_bench.baselines", "overcooked_bench.cli")), f"{path.name}: {name}"
+    for path in BASELINES.rglob("*.py"):
+        assert not any(name.startswith("overcooked_bench.cli") for name in imported(path)), path.name
+
+
+@pytest.mark.parametrize(
+    ("room", "library"),
+    [
+        ("kitchen", "gymnasium"),
+        ("kitchen", "torch"),
+        ("rendering", "torch"),
+        ("rendering", "gymnasium"),
+        ("evaluation", "gymnasium"),
+    ],
+)
+def test_a_room_does_without_a_library(room, library):
+    for path in (PACKAGE / room).rglob("*.py"):
+        assert library not in {name.partition(".")[0] for name in imported(path)}, path.name
