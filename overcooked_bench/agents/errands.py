@@ -1,4 +1,4 @@
-"""What a scripted chef does next: one errand, from what is held, what the pots need and what the mate does."""
+"""What a scripted chef does next: an errand, chosen from what is held, what the pots need and what the mate does."""
 
 from typing import Final
 

@@ -43,12 +43,13 @@ POTS_NOW, NEED, BITS, SOUPS, SOONEST = range(17, 22)
 # Counters between the two chefs' regions: how many, how many free, how many carry food, a dish.
 SHARED, ROOM, FOODS, DISHES = range(22, 26)
 # Whether both are in one region, one reaches a pot, the mate does, one reaches a serving tile; whether to count on the
-# mate at all, on its dish, on its food; the tile to work at, or -1, the cell to wait on, steps to the tile in `USE`.
-SAME, COOKS, MATE_COOKS, SERVES, ACTIVE, MATE_DISH, MATE_FOOD, GOAL, USE_STEPS = range(26, 35)
+# mate at all, on its dish, on its food; the tile to work at, or -1; steps to the tile in `USE`; steps that a way through
+# the mate counts more.
+SAME, COOKS, MATE_COOKS, SERVES, ACTIVE, MATE_DISH, MATE_FOOD, GOAL, USE_STEPS, THROUGH = range(26, 36)
 # Errands: the items 1 to 4 to fetch; to wait; to bring what is held; to start a pot; to hand over; to put down; to clear
 # a shared counter. For each the steps of the best way, of the mate's best way, and the tile.
 WAIT, USE, START, HAND_OVER, PUT_DOWN, CLEAR, ERRANDS = 0, 5, 6, 7, 8, 9, 10
-BEST: Final = 35
+BEST: Final = 36
 MATES: Final = BEST + ERRANDS
 AT: Final = MATES + ERRANDS
 FACTS: Final = AT + ERRANDS
@@ -56,7 +57,7 @@ FACTS: Final = AT + ERRANDS
 LATE: Final = FAR // 2  # steps left of a soup that waits to be started
 PATIENCE: Final = 30  # steps without any change in a pot after which the mate is not counted on; less with every strike
 LEAST_PATIENCE: Final = 8
-IDLE_LONG: Final = 8  # steps
+IDLE_LONG, IDLE_VERY_LONG, ASK_AGAIN = 8, 24, 120  # steps: no help; a wall; until one tries again whether it is
 DETOUR: Final = 4  # steps of a way round that one takes rather than wait for the mate to leave
 FULLER: Final = 2  # steps of a way that an ingredient less to bring is worth
 NOT_SHARED: Final = 50  # steps that one goes not to lay things in the way on a shared counter
@@ -99,16 +100,16 @@ def tally(
         me, mate, hand = f[ME], f[MATE], f[HAND]
         mine = onward[grid[REGION, me]]
         passing = around[mate if around.shape[0] > 1 else 0]
-        wait = DETOUR if f[IDLE] < IDLE_LONG else 10 * DETOUR
         for k in range(POTS_NOW, BEST):
             f[k] = 0
         for e in range(ERRANDS):
             f[BEST + e], f[MATES + e], f[AT + e] = FAR, FAR, -1
         f[SAME], f[COOKS], f[SERVES] = ways[me, mate] < FAR, mine[FLAGS, 0], mine[FLAGS, 1]
         f[SOONEST] = FAR
+        f[THROUGH] = DETOUR if f[IDLE] < IDLE_LONG else FAR if f[IDLE] % ASK_AGAIN >= IDLE_VERY_LONG else 10 * DETOUR
         for c in range(views.shape[2]):
             tile = grid[TILE, c]
-            steps, mates = min(passing[me, c], ways[me, c] + wait), ways[mate, c]
+            steps, mates = min(passing[me, c], ways[me, c] + f[THROUGH]), ways[mate, c]
             errand, extra, item = -1, 0, NOTHING
             if tile == FLOOR:
                 errand, extra = WAIT, mine[WAITING, c] + (FAR if c == mate else 0)

@@ -7,18 +7,17 @@ from numpy.typing import NDArray
 
 from overcooked_bench.agents.looking import (
     AT,
-    DETOUR,
     FACING,
     GOAL,
     HAND,
     IDLE,
-    IDLE_LONG,
     MATE,
     MATE_FACING,
     MATE_HAND,
     ME,
     RESOLVED,
     STUCK,
+    THROUGH,
     TRIED,
     WAIT,
     YIELDING,
@@ -55,10 +54,9 @@ def walk(
         waits = f[GOAL] < 0
         goal = f[AT + WAIT] if waits else f[GOAL]
         passing = around[mate if around.shape[0] > 1 else 0]
-        wait = DETOUR if f[IDLE] < IDLE_LONG else 10 * DETOUR
         if f[STUCK] > 1 and f[RESOLVED] == 0:
             f[RESOLVED] = _RESOLVE if coin < 0.5 else -_RESOLVE
-        round_it = passing[me, goal] <= ways[me, goal] + wait
+        round_it = passing[me, goal] <= ways[me, goal] + f[THROUGH]
         if f[RESOLVED] != 0:
             round_it = f[RESOLVED] < 0 and passing[me, goal] < FAR
         here = passing[me, goal] if round_it else ways[me, goal]
