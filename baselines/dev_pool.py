@@ -22,11 +22,10 @@ from overcooked_bench.baselines.self_play import METHOD, SelfPlay, mean_interval
 POOL = "dev-v0"
 AGENTS = 4
 CONFIGS = {
-    "cramped_room": SelfPlay("cramped_room"),
-    "asymmetric_advantages": SelfPlay("asymmetric_advantages", steps=3_200_000),
-    "coordination_ring": SelfPlay("coordination_ring"),
-    "forced_coordination": SelfPlay("forced_coordination"),
-    "counter_circuit": SelfPlay("counter_circuit", steps=3_200_000),
+    layout: SelfPlay(layout)
+    for layout in (
+        *("cramped_room", "asymmetric_advantages", "coordination_ring", "forced_coordination", "counter_circuit"),
+    )
 }
 
 

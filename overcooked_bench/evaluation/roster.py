@@ -71,7 +71,6 @@ def roster(protocol: Protocol, pool: Pool | None, layout: str) -> tuple[Partner,
     trained = [
         Partner(agent.name, agent.files.weights.sha256, TRAINED)
         for agent in (pool.agents(_plain(layout)) if pool else ())
-        if agent.files is not None
     ]
     scripted = [Partner(name, scripted_hash(name), SCRIPTED) for name in protocol.partners]
     floors = [Partner(name, scripted_hash(name), FLOOR) for name in protocol.floors]

@@ -74,6 +74,22 @@ def test_stacks_are_the_recorded_past(data, seed):
         np.testing.assert_array_equal(kitchens.observe("stack_channels"), np.concatenate(flat, axis=2))
 
 
+@law
+@given(st.data(), SEEDS, st.lists(st.integers(0, 1), min_size=4, max_size=4))
+def test_one_chefs_view_is_that_half_of_both(data, seed, seats):
+    layout = data.draw(layouts(tomatoes=False))
+    kitchens = Kitchens(layout, 4, cooking="manual", history=3, object_probability=0.5)
+    for joint in joint_actions(seed, 5, kitchens=4):
+        kitchens.step(joint)
+    chosen = np.array(seats)
+    for name in ALL:
+        both = kitchens.observe(name)
+        np.testing.assert_array_equal(kitchens.observe(name, seats=chosen), both[np.arange(4), chosen])
+        buffer = np.full_like(both[:, 0], 77)
+        assert kitchens.observe(name, out=buffer, seats=chosen) is buffer
+        np.testing.assert_array_equal(buffer, both[np.arange(4), chosen])
+
+
 def test_a_stack_right_after_reset_repeats_the_first_state():
     kitchens = Kitchens("cramped_room", 3, history=3)
     kitchens.reset(seed=1)
