@@ -181,18 +181,29 @@ def play(kitchens: Kitchens, parties: Sequence[Party], seeds: NDArray[np.uint64]
 
 def _checked(answer: Any, rows: int, party: int, step: int) -> NDArray[np.int64]:
     """Gives an agent's answer as (rows,) int64; the usual answer costs one look."""
-    if isinstance(answer, np.ndarray) and answer.dtype == np.int64 and answer.shape == (rows,):
-        if answer.min() >= 0 and answer.max() < NUM_ACTIONS:
-            return answer
-        row = int(np.argmax((answer < 0) | (answer >= NUM_ACTIONS)))
-        raise PlayFault(f"act returned the action {answer[row]}; actions are 0 to {NUM_ACTIONS - 1}", party, step, row)
-    given = answer.detach().cpu() if hasattr(answer, "detach") else answer
+    if (
+        isinstance(answer, np.ndarray)
+        and answer.dtype == np.int64
+        and answer.shape == (rows,)
+        and answer.min() >= 0
+        and answer.max() < NUM_ACTIONS
+    ):
+        return answer
     try:
-        return check_actions(given, rows, "its answer")
+        return check_actions(answer, rows, "its answer")
     except AgentError as error:
-        if np.shape(given) == (rows,) and np.asarray(given).dtype.kind in "iu":  # then a row's number is to blame
-            return _checked(np.asarray(given).astype(np.int64), rows, party, step)
-        raise PlayFault(str(error).removeprefix("its answer: "), party, step) from None
+        raise PlayFault(str(error).removeprefix("its answer: "), party, step, _row_at_fault(answer, rows)) from None
+
+
+def _row_at_fault(answer: Any, rows: int) -> int | None:
+    """Gives the first row whose whole number is no action; None where something else is wrong with the answer."""
+    try:
+        given = np.asarray(answer.detach().cpu() if hasattr(answer, "detach") else answer)
+    except (ValueError, TypeError):
+        return None
+    if given.shape != (rows,) or given.dtype.kind not in "iu":
+        return None
+    return int(np.argmax((given < 0) | (given >= NUM_ACTIONS)))
 
 
 def _told(error: Exception) -> str:

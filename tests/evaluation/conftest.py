@@ -1,0 +1,22 @@
+import pytest
+
+from overcooked_bench.agents.pool import write_manifest
+from overcooked_bench.evaluation.protocol import read_protocol
+from tests.agents.policies import record, write_policy
+from tests.evaluation.games import protocol_text
+
+
+@pytest.fixture(scope="session")
+def pool_folder(tmp_path_factory):
+    """Two random policies for cramped_room."""
+    home = tmp_path_factory.mktemp("pools") / "tiny"
+    for i in range(2):
+        write_policy(home / "cramped_room" / f"sp-{i}", i)
+    write_manifest(home, "tiny", [record("sp-0"), record("sp-1")])
+    return home
+
+
+@pytest.fixture
+def protocol():
+    """One layout, two episodes of 40 steps, the partners `greedy` and, as a floor, `random`; no pool."""
+    return read_protocol(protocol_text(), "tiny.yaml")

@@ -1,0 +1,200 @@
+"""The numbers of the literature and of simulations, and laws that a wrong unit of analysis would break."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
+
+from overcooked_bench.evaluation import statistics
+from overcooked_bench.evaluation.statistics import (
+    combined,
+    describe_low_quantile,
+    low_quantile,
+    lower_bound,
+    ordered,
+    t_interval,
+    tail_mean,
+    tail_quantile,
+    threshold,
+    upper_bound,
+)
+
+
+def simulated_returns(
+    rng, seeds, partners=20, episodes=20, sd_seed=6.0, sd_partner=40.0, sd_cell=14.0, sd_episode=25.0
+):
+    """Draws (S, P, E) returns with the variance components of a real benchmark, and the mean for these partners."""
+    partner = rng.normal(100, 40, (1, partners, 1))
+    returns = (
+        partner
+        + rng.normal(0, sd_seed, (seeds, 1, 1))
+        + rng.normal(0, 14, (seeds, partners, 1))
+        + rng.normal(0, 25, (seeds, partners, episodes))
+    )
+    return returns, float(partner.mean())
+
+
+def test_the_t_interval_is_the_textbook_one():
+    value, low, high = t_interval([1, 2, 3, 4])
+    expected = stats.t.interval(0.95, 3, loc=2.5, scale=np.std([1, 2, 3, 4], ddof=1) / 2)
+    assert value == 2.5
+    assert (low, high) == pytest.approx(expected)
+
+
+def test_one_value_gives_no_interval():
+    assert t_interval([7]) == (7, None, None)
+
+
+def test_an_interval_is_clipped_to_what_is_possible():
+    assert t_interval([0, 0, 9], lowest=0).low == 0
+    assert t_interval([5, 5, 4], highest=5).high == 5
+
+
+@pytest.mark.parametrize(("seeds", "sd_seed"), [(3, 6.0), (5, 18.0)])
+def test_the_interval_over_seeds_covers_and_pooling_episodes_does_not(seeds, sd_seed):
+    rng = np.random.default_rng(1)
+    runs, covered, pooled = 600, 0, 0
+    for _ in range(runs):
+        returns, truth = simulated_returns(rng, seeds, sd_seed=sd_seed)
+        _, low, high = t_interval(returns.mean(axis=(1, 2)))
+        covered += low <= truth <= high
+        _, low, high = t_interval(returns.mean(axis=1).ravel())  # every seed's episodes as if they were runs
+        pooled += low <= truth <= high
+    assert 0.92 <= covered / runs <= 0.98
+    assert pooled / runs < 0.5
+
+
+def test_the_interval_over_episode_blocks_covers_what_this_run_would_score():
+    rng = np.random.default_rng(2)
+    runs, covered = 600, 0
+    for _ in range(runs):
+        cells = rng.normal(100, 40, (7, 1))
+        _, low, high = t_interval((cells + rng.normal(0, 25, (7, 10))).mean(axis=0))
+        covered += low <= cells.mean() <= high
+    assert 0.92 <= covered / runs <= 0.98
+
+
+def test_permuting_seeds_within_one_partner_changes_the_interval():
+    returns, _ = simulated_returns(np.random.default_rng(3), seeds=5)
+    permuted = returns.copy()
+    permuted[:, 4] = permuted[[3, 0, 4, 1, 2], 4]
+    before, after = (t_interval(values.mean(axis=(1, 2))) for values in (returns, permuted))
+    assert before.value == pytest.approx(after.value)
+    assert before.high - before.low != pytest.approx(after.high - after.low)
+
+
+def test_layouts_combine_as_independent_strata():
+    strata = [[10, 12, 14], [50, 58, 54]]
+    value, low, high = combined(strata)
+    parts = [np.var(s, ddof=1) / 3 / 4 for s in strata]
+    freedom = sum(parts) ** 2 / sum(part**2 / 2 for part in parts)
+    half = stats.t.ppf(0.975, freedom) * sum(parts) ** 0.5
+    assert (value, low, high) == pytest.approx((33, 33 - half, 33 + half))
+    assert combined([[1, 1], [3, 3]]) == (2, 2, 2)
+    assert combined([[1], [3, 4]]).low is None
+    assert combined([[10, 12, 14]]) == pytest.approx(t_interval([10, 12, 14]))
+
+
+@pytest.mark.parametrize(("seeds", "chance"), [(3, 0.39), (5, 0.56), (10, 0.80), (19, 0.954)])
+def test_the_smallest_seed_lies_below_the_quantile_as_often_as_the_table_says(seeds, chance):
+    assert 1 - 0.85**seeds == pytest.approx(chance, abs=0.005)
+    bound = lower_bound(seeds)
+    assert (bound is None) == (seeds < 19)
+    if bound is not None:
+        assert (bound.rank, bound.confidence) == (1, pytest.approx(chance, abs=0.0005))
+
+
+def test_no_lower_bound_below_nineteen_seeds():
+    assert next(n for n in range(1, 40) if lower_bound(n) is not None) == 19
+
+
+@pytest.mark.parametrize(
+    ("seeds", "rank", "confidence"), [(3, 3, 0.997), (5, 3, 0.973), (10, 4, 0.950), (20, 7, 0.978)]
+)
+def test_upper_bounds_are_those_of_the_table(seeds, rank, confidence):
+    bound = upper_bound(seeds)
+    assert (bound.rank, bound.confidence) == (rank, pytest.approx(confidence, abs=0.0005))
+    drawn = np.sort(np.random.default_rng(4).normal(size=(4000, seeds)), axis=1)[:, rank - 1]
+    assert np.mean(drawn >= stats.norm.ppf(0.15)) == pytest.approx(confidence, abs=0.015)
+
+
+@pytest.mark.parametrize(
+    ("seeds", "weights"),
+    [
+        (3, {0: 0.7, 1: 0.3}),
+        (5, {0: 0.4, 1: 0.6}),
+        (10, {1: 0.65, 2: 0.35}),
+        (30, {4: 0.65, 5: 0.35}),
+    ],
+)
+def test_the_quantile_is_of_type_seven(seeds, weights):
+    values = np.random.default_rng(5).permutation(np.arange(seeds) ** 2.0)
+    ascending = np.sort(values)
+    assert low_quantile(values) == pytest.approx(sum(weight * ascending[k] for k, weight in weights.items()))
+
+
+@pytest.mark.parametrize(("seeds", "bias"), [(3, 0.44), (5, 0.28), (10, 0.16)])
+def test_the_quantile_of_few_seeds_is_biased_as_the_table_says(seeds, bias):
+    drawn = np.random.default_rng(6).normal(size=(seeds, 20000))
+    assert low_quantile(drawn).mean() - stats.norm.ppf(0.15) == pytest.approx(bias, abs=0.02)
+
+
+def test_the_words_say_what_few_seeds_do_not_tell():
+    assert describe_low_quantile([55, 38, 60, 43, 71]) == (
+        "q0.15 over 5 training seeds: 41 (descriptive; seeds 38, 43, 55, 60, 71). With 97 % confidence the population "
+        "0.15-quantile is <= 55; 5 seeds give no lower bound (needs 19)."
+    )
+    assert "with 96 % confidence it is >= 0" in describe_low_quantile(range(20))
+
+
+def test_a_threshold_over_seeds_is_clipped_and_counts_the_undecided():
+    rng = np.random.default_rng(7)
+    means = np.array([[100.0, 100, 100, 20.5], [100, 100, 100, 19], [100, 100, 0, 20.1]])
+    returns = means[:, :, None] + rng.normal(0, 0.01, (3, 4, 6))
+    reached, undecided = threshold(returns, 20)
+    assert reached.value == pytest.approx(np.mean([4, 3, 3]))
+    assert 0 <= reached.low <= reached.high == 4
+    assert undecided == 2
+
+
+def test_a_threshold_of_one_run_goes_from_the_certain_to_the_possible():
+    returns = np.array([[[60.0, 60, 60], [0, 0, 0], [0, 20, 60], [40, 0, 0]]])
+    reached, undecided = threshold(returns, 20)
+    assert (reached, undecided) == ((2, 1, 3), 2)
+
+
+def test_a_single_episode_decides_nothing():
+    assert threshold(np.full((1, 3, 1), 100.0), 20) == ((3, 0, 3), 3)
+
+
+@given(st.lists(st.lists(st.integers(0, 300), min_size=4, max_size=4), min_size=1, max_size=6), st.integers(1, 300))
+def test_the_ordered_curve_the_threshold_and_the_mean_are_one_object(rows, level):
+    means = np.array(rows, float)
+    curve = ordered(means)
+    assert (np.diff(curve, axis=1) >= 0).all()
+    assert curve.mean() == pytest.approx(means.mean())
+    assert threshold(means[:, :, None], level).reached.value == pytest.approx((curve >= level).sum(axis=1).mean())
+
+
+def test_the_tail_is_over_partners_within_each_seed():
+    means = np.array([np.arange(20.0), np.arange(20.0) + 100])
+    assert tail_mean(means).tolist() == [1, 101]  # the worst three of twenty
+    assert tail_quantile(means) == pytest.approx([0.15 * 19, 100 + 0.15 * 19])
+    assert tail_mean([[5.0, 1.0]]).tolist() == [1]
+
+
+def test_the_tail_interval_covers():
+    rng = np.random.default_rng(8)
+    spread = rng.normal(100, 40, 20)
+    truth = np.mean([tail_mean(spread + rng.normal(0, 14, (1, 20)))[0] for _ in range(4000)])
+    covered = 0
+    for _ in range(600):
+        means = spread + rng.normal(0, 6, (5, 1)) + rng.normal(0, 14, (5, 20))
+        _, low, high = t_interval(tail_mean(means))
+        covered += low <= truth <= high
+    assert 0.92 <= covered / 600 <= 0.98
+
+
+def test_the_confidence_is_what_is_printed():
+    assert (statistics.CONFIDENCE, statistics.LOW_QUANTILE) == (0.95, 0.15)
