@@ -47,7 +47,7 @@ def _draw_layout(axes: "Axes", layout: LayoutScore, colour: str, marker: str) ->
     share = [100 * point.rank / layout.partners for point in layout.curve]
     means = [point.mean for point in layout.curve]
     values = [mean.value for mean in means]
-    axes.plot(share, values, color=colour, marker=marker, markersize=5, linewidth=1.6, label=layout.layout, clip_on=False)
+    axes.plot(share, values, color=colour, marker=marker, markersize=5, clip_on=False, label=layout.layout)
     if all(mean.low is not None and mean.high is not None for mean in means):
         low, high = [mean.low or 0.0 for mean in means], [mean.high or 0.0 for mean in means]
         axes.fill_between(share, low, high, color=colour, alpha=0.15, linewidth=0)
