@@ -2,6 +2,8 @@
 
 from typing import Final
 
+import numpy as np
+
 from overcooked_bench.agents.looking import (
     ACTIVE,
     AT,
@@ -10,6 +12,10 @@ from overcooked_bench.agents.looking import (
     CLEAR,
     COOKS,
     DISHES,
+    DISHES_WANTED,
+    ERRAND,
+    FOOD_ROOM,
+    FOOD_WANTED,
     FOODS,
     GOAL,
     HAND,
@@ -23,12 +29,12 @@ from overcooked_bench.agents.looking import (
     NEED,
     PUT_DOWN,
     ROOM,
-    SAME,
     SERVES,
     SHARED,
     SOONEST,
     SOUPS,
     START,
+    STARTS,
     USE,
     USE_STEPS,
     WAIT,
@@ -43,96 +49,121 @@ _EARLY: Final = 3  # steps that a dish may come before its soup
 _LAY_DOWN: Final = 2  # steps it takes to have one's hands free
 
 
-@jit
 def choose(facts: Facts, role: int) -> None:
     """Sets GOAL, the tile to work at, or -1 where there is nothing to do but wait.
 
     Args:
-        facts: (B, FACTS), as `tally` and `trust` leave them.
+        facts: (B, FACTS), as `weigh` and `trust` leave them.
         role: GREEDY, ONION_COURIER or DISH_COURIER.
     """
+    _judge(facts, role)
+    _empty_handed(facts, role)
+    _with_dish(facts, role)
+    _with_food(facts, role)
+    errands = facts[:, ERRAND]
+    facts[:, GOAL] = np.where(errands == WAIT, -1, facts[np.arange(len(facts)), AT + errands])
+
+
+@jit
+def _judge(facts: Facts, role: int) -> None:
+    """Finds what is wanted that the mate does not bring; sends off whoever holds a soup or what is not its job."""
     for row in range(facts.shape[0]):
         f = facts[row]
         there = 0 if f[COOKS] else 1
-        dishes = f[SOUPS] - f[MATE_DISH] - there * f[DISHES]
-        food = f[NEED] - f[MATE_FOOD] - there * f[FOODS]
-        room = f[COOKS] or f[ROOM] > 1 or (f[ROOM] == 1 and (f[DISHES] > 0 or f[SHARED] == 1))
+        f[DISHES_WANTED] = f[SOUPS] - f[MATE_DISH] - there * f[DISHES]
+        f[FOOD_WANTED] = f[NEED] - f[MATE_FOOD] - there * f[FOODS]
+        f[FOOD_ROOM] = f[COOKS] or f[ROOM] > 1 or (f[ROOM] == 1 and (f[DISHES] > 0 or f[SHARED] == 1))
         nearer = f[MATES + START] < f[BEST + START] or (f[MATES + START] == f[BEST + START] and f[MATE] < f[ME])
-        starts = f[COOKS] and f[AT + START] >= 0 and not (f[ACTIVE] and f[MATE_HAND] == NOTHING and nearer)
-        hand = f[HAND]
-        if hand == NOTHING:
-            errand = START if starts else _empty_handed(f, role, dishes, food, room)
-        elif hand == SOUP:
-            errand = USE if f[SERVES] else HAND_OVER
-            if role == ONION_COURIER or f[AT + errand] < 0:
-                errand = PUT_DOWN
-        elif hand == DISH:
-            errand = PUT_DOWN if role == ONION_COURIER else _with_dish(f, role, dishes, food, starts)
-        else:
-            errand = PUT_DOWN if role == DISH_COURIER else _with_food(f, role, dishes, room, starts)
-        f[GOAL] = f[AT + errand] if errand != WAIT else -1
+        f[STARTS] = f[COOKS] and f[AT + START] >= 0 and not (f[ACTIVE] and f[MATE_HAND] == NOTHING and nearer)
+        f[ERRAND] = WAIT
+        if f[HAND] == SOUP:
+            f[ERRAND] = USE if f[SERVES] else HAND_OVER
+            if f[AT + f[ERRAND]] < 0:
+                f[ERRAND] = PUT_DOWN
+        if (f[HAND] > TOMATO and role == ONION_COURIER) or (NOTHING < f[HAND] < DISH and role == DISH_COURIER):
+            f[ERRAND] = PUT_DOWN
 
 
 @jit
-def _empty_handed(f: Facts, role: int, dishes: int, food: int, room: bool) -> int:
-    if role != ONION_COURIER and f[SERVES] and f[AT + SOUP] >= 0:
-        return SOUP
-    kind = (
-        TOMATO if f[BITS] >> TOMATO & 1 and (not f[BITS] >> ONION & 1 or f[BEST + TOMATO] < f[BEST + ONION]) else ONION
-    )
-    dish_steps, food_steps = f[BEST + DISH], f[BEST + kind]
-    brings_dish = role != ONION_COURIER and dish_steps < FAR
-    brings_food = role != DISH_COURIER and food_steps < FAR and room
-    takes_dish, takes_food = brings_dish and dishes > 0, brings_food and food > 0
-    free = role == GREEDY and f[COOKS] and f[ACTIVE] and f[MATE_HAND] == NOTHING
-    mate_dish, mate_food = f[MATES + DISH] if free else FAR, f[MATES + kind] if free else FAR
-    if takes_dish and takes_food:
-        due = f[SOONEST] <= dish_steps + _EARLY * (1 if f[COOKS] else 3)
-        if due and mate_dish < FAR and mate_food < FAR:
-            apart = dish_steps + mate_food - food_steps - mate_dish
-            due = apart < 0 or (apart == 0 and f[ME] < f[MATE])
-        return DISH if due else kind
-    if takes_dish and not (dishes == 1 and (mate_dish < dish_steps or (mate_dish == dish_steps and f[MATE] < f[ME]))):
-        return DISH
-    if takes_food and not (food == 1 and (mate_food < food_steps or (mate_food == food_steps and f[MATE] < f[ME]))):
-        return kind
-    if brings_dish and (role == DISH_COURIER or (f[COOKS] and f[SOUPS] == 0 and f[NEED] > 0 and not f[MATE_DISH])):
-        return DISH
-    if brings_food and (role == ONION_COURIER or not f[COOKS] or (f[MATE_DISH] and f[SOUPS] == 1)):
-        return kind
-    if not f[SAME] and f[SHARED] > 0 and f[ROOM] == 0 and dishes > 0 and f[DISHES] == 0:
-        return CLEAR
-    return WAIT
+def _empty_handed(facts: Facts, role: int) -> None:
+    for row in range(facts.shape[0]):
+        f = facts[row]
+        if f[HAND] != NOTHING:
+            continue
+        onions, tomatoes = f[BITS] >> ONION & 1, f[BITS] >> TOMATO & 1
+        food = TOMATO if tomatoes and (not onions or f[BEST + TOMATO] < f[BEST + ONION]) else ONION
+        dish_steps, food_steps = f[BEST + DISH], f[BEST + food]
+        brings_dish = role != ONION_COURIER and dish_steps < FAR
+        brings_food = role != DISH_COURIER and food_steps < FAR and f[FOOD_ROOM]
+        free = role == GREEDY and f[COOKS] and f[ACTIVE] and f[MATE_HAND] == NOTHING
+        mate_dish, mate_food = f[MATES + DISH] if free else FAR, f[MATES + food] if free else FAR
+        first = f[ME] < f[MATE]  # where all else is equal
+        takes_dish = brings_dish and f[DISHES_WANTED] > 0
+        takes_food = brings_food and f[FOOD_WANTED] > 0
+        if takes_dish and takes_food:
+            due = f[SOONEST] <= dish_steps + _EARLY * (1 if f[COOKS] else 3)
+            if due and mate_dish < FAR and mate_food < FAR:
+                due = dish_steps + mate_food < food_steps + mate_dish + first
+            takes_food = not due
+        elif takes_dish:
+            takes_dish = f[DISHES_WANTED] > 1 or dish_steps < mate_dish + first
+        elif takes_food:
+            takes_food = f[FOOD_WANTED] > 1 or food_steps < mate_food + first
+        ahead_dish = role == DISH_COURIER or (f[COOKS] and f[SOUPS] == 0 and f[NEED] > 0 and not f[MATE_DISH])
+        ahead_food = role == ONION_COURIER or not f[COOKS] or (f[MATE_DISH] and f[SOUPS] == 1)
+        if f[STARTS]:
+            f[ERRAND] = START
+        elif role != ONION_COURIER and f[SERVES] and f[AT + SOUP] >= 0:
+            f[ERRAND] = SOUP
+        elif takes_food or (brings_food and ahead_food and not takes_dish and not (brings_dish and ahead_dish)):
+            f[ERRAND] = food
+        elif takes_dish or (brings_dish and ahead_dish):
+            f[ERRAND] = DISH
+        elif f[SHARED] > 0 and f[ROOM] == 0 and f[DISHES_WANTED] > 0 and f[DISHES] == 0:
+            f[ERRAND] = CLEAR
 
 
 @jit
-def _with_dish(f: Facts, role: int, dishes: int, food: int, starts: bool) -> int:
-    if not f[COOKS]:
-        if f[ROOM] > 0 and (dishes > 0 or f[DISHES] == 0):
-            return HAND_OVER
-        return PUT_DOWN if dishes > 0 or food > 0 else WAIT
-    nearer = f[MATES + USE] < f[BEST + USE] or (f[MATES + USE] == f[BEST + USE] and f[MATE] < f[ME])
-    if f[SOUPS] > 0 and not (f[SOUPS] == 1 and f[MATE_DISH] and nearer):
-        if starts:
-            return PUT_DOWN
-        return USE if f[BEST + USE] <= f[USE_STEPS] + 1 else WAIT
-    return PUT_DOWN if role == GREEDY and food > 0 else WAIT
+def _with_dish(facts: Facts, role: int) -> None:
+    for row in range(facts.shape[0]):
+        f = facts[row]
+        if f[HAND] != DISH or role == ONION_COURIER:
+            continue
+        wanted = f[DISHES_WANTED] > 0
+        nearer = f[MATES + USE] < f[BEST + USE] + (f[MATE] < f[ME])
+        if not f[COOKS]:
+            if f[ROOM] > 0 and (wanted or f[DISHES] == 0):
+                f[ERRAND] = HAND_OVER
+            elif wanted or f[FOOD_WANTED] > 0:
+                f[ERRAND] = PUT_DOWN
+        elif f[SOUPS] > 0 and not (f[SOUPS] == 1 and f[MATE_DISH] and nearer):
+            if f[STARTS]:
+                f[ERRAND] = PUT_DOWN
+            elif f[BEST + USE] <= f[USE_STEPS] + 1:
+                f[ERRAND] = USE
+        elif role == GREEDY and f[FOOD_WANTED] > 0:
+            f[ERRAND] = PUT_DOWN
 
 
 @jit
-def _with_food(f: Facts, role: int, dishes: int, room: bool, starts: bool) -> int:
-    if f[BITS] and not f[BITS] >> f[HAND] & 1:
-        return PUT_DOWN
-    if not f[COOKS]:
-        if room:
-            return HAND_OVER
-        return PUT_DOWN if dishes > 0 else WAIT
-    nearer = f[MATES + USE] < f[BEST + USE] or (f[MATES + USE] == f[BEST + USE] and f[MATE] < f[ME])
-    if f[AT + USE] >= 0 and not (f[NEED] == 1 and f[MATE_FOOD] and nearer):
-        return USE
-    if role != GREEDY:
-        return WAIT
-    steps, mates = f[BEST + DISH], f[MATES + DISH] - (_LAY_DOWN if f[MATE_HAND] == NOTHING else 0)
-    mate_goes = f[ACTIVE] and dishes == 1 and (mates < steps or (mates == steps and f[MATE] < f[ME]))
-    mate_goes = mate_goes and (f[MATE_HAND] == NOTHING or f[MATE_FOOD])
-    return PUT_DOWN if starts or (dishes > 0 and steps < FAR and not mate_goes) else WAIT
+def _with_food(facts: Facts, role: int) -> None:
+    for row in range(facts.shape[0]):
+        f = facts[row]
+        if not NOTHING < f[HAND] < DISH or role == DISH_COURIER:
+            continue
+        wanted, first = f[DISHES_WANTED], f[MATE] < f[ME]
+        if f[BITS] and not f[BITS] >> f[HAND] & 1:
+            f[ERRAND] = PUT_DOWN
+        elif not f[COOKS]:
+            if f[FOOD_ROOM]:
+                f[ERRAND] = HAND_OVER
+            elif wanted > 0:
+                f[ERRAND] = PUT_DOWN
+        elif f[AT + USE] >= 0 and not (f[NEED] == 1 and f[MATE_FOOD] and f[MATES + USE] < f[BEST + USE] + first):
+            f[ERRAND] = USE
+        elif role == GREEDY:
+            mates = f[MATES + DISH] - (_LAY_DOWN if f[MATE_HAND] == NOTHING else 0)
+            mate_goes = f[ACTIVE] and (f[MATE_HAND] == NOTHING or f[MATE_FOOD])
+            mate_goes = mate_goes and wanted == 1 and mates < f[BEST + DISH] + first
+            if f[STARTS] or (wanted > 0 and f[BEST + DISH] < FAR and not mate_goes):
+                f[ERRAND] = PUT_DOWN

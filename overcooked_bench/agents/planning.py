@@ -18,8 +18,9 @@ FAR: Final = 10_000
 FLOOR, COUNTER, POT, SERVING, ONIONS, TOMATOES, DISHES = range(7)
 NOTHING, ONION, TOMATO, DISH, SOUP = range(5)
 
-# Rows of `Plan.grid`: what a cell is, the region of a floor cell, the next floor cell in each direction or -1.
-TILE, REGION, NEXT = range(3)
+# Rows of `Plan.grid`: what a cell is; the region of a floor cell; from a floor cell the next cell in each direction, or
+# -1 where it is no floor; and the same with tiles only.
+TILE, REGION, NEXT, BESIDE, GRID_ROWS = 0, 1, 2, 6, 10
 # Rows of `Plan.onward[r]`: by item, steps from a tile to where chefs of region r bring the item; then how badly a floor
 # cell is suited for waiting; then two flags in the cells 0 and 1: whether the region reaches a pot, and a serving tile.
 WAITING, FLAGS, ONWARD_ROWS = 5, 6, 7
@@ -33,7 +34,7 @@ class Plan(NamedTuple):
     """A layout in tables.
 
     Attributes:
-        grid: (6, C) int64  tile, region and the four next cells of each cell
+        grid: (10, C) int64  see the rows above
         ways: (C, C) int64  steps from a floor cell to a floor cell, or to the nearest cell beside a tile
         around: (C or 1, C, C) int64  the same by the cell that the mate blocks; without the mate in large kitchens
         onward: (R, 7, C) int64  see the rows above
@@ -52,13 +53,13 @@ def make_plan(layout: Layout) -> Plan:
     kinds = dict(zip(" XPSOTD", (FLOOR, COUNTER, POT, SERVING, ONIONS, TOMATOES, DISHES), strict=True))
     tiles = np.array([kinds[tile] for row in layout.rows for tile in row], np.int64)
     cells, width = len(tiles), layout.width
-    grid = np.full((NEXT + 4, cells), -1, np.int64)
+    grid = np.full((GRID_ROWS, cells), -1, np.int64)
     grid[TILE] = tiles
     for (x, y), region in layout.regions.items():
         grid[REGION, y * width + x] = region
         for direction, (dx, dy) in enumerate(DIRECTIONS):
             n = (y + dy) * width + x + dx
-            grid[NEXT + direction, y * width + x] = n if tiles[n] == FLOOR else -1
+            grid[(NEXT if tiles[n] == FLOOR else BESIDE) + direction, y * width + x] = n
     beside = _beside(tiles, width)
     ways = _ways(grid, beside, -1)
     around = ways[None]
@@ -114,7 +115,7 @@ def _ways(grid: NDArray[np.int64], beside: list[list[int]], blocked: int) -> NDA
         steps = {int(start): 0}
         edge = [int(start)]
         for c in edge:
-            for n in grid[NEXT:, c].tolist():
+            for n in grid[NEXT:BESIDE, c].tolist():
                 if n >= 0 and n != blocked and n not in steps:
                     steps[n] = steps[c] + 1
                     edge.append(n)

@@ -25,8 +25,8 @@ def make_scripted(name: str, layout: str | Layout) -> Agent:
 
     Args:
         name: One of `SCRIPTED`.
-        layout: What it will play: a shipped name, a grid's text, a file or a Layout; its orders are cooked where `reset`
-            names the same layout.
+        layout: What it will play: a shipped name, a grid's text, a file or a Layout, whose orders are cooked where
+            `reset` names the same layout.
 
     Raises:
         ValueError: No such agent, or no such layout.
@@ -114,20 +114,19 @@ class Planner:
             ValueError: Another shape than the rows and the layout of `reset` have.
         """
         from overcooked_bench.agents.errands import choose
-        from overcooked_bench.agents.looking import look, tally, trust
+        from overcooked_bench.agents.looking import look, trust
         from overcooked_bench.agents.walking import walk
+        from overcooked_bench.agents.weighing import weigh
 
         layout, facts = self._layout, self._facts
         wanted = (len(self._seeds), 26, layout.height, layout.width)
         if observations.shape != wanted:
             raise ValueError(f"observations have the shape {observations.shape}; reset() announced {wanted}")
         views = np.ascontiguousarray(observations, np.uint8).reshape(*wanted[:2], -1)
-        grid, ways, around, onward, targets = self._plan
-        actions = np.empty(len(self._seeds), np.int64)
-        look(views, grid, facts)
-        tally(views, grid, ways, around, onward, targets, facts)
+        look(views, facts)
+        weigh(views, self._plan, facts)
         trust(facts)
         choose(facts, self._role)
-        walk(grid, ways, around, uniforms(self._seeds, self._step), layout.width, facts, actions)
+        actions = walk(self._plan, uniforms(self._seeds, self._step), facts)
         self._step += 1
         return actions

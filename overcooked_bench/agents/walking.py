@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.agents.looking import (
+    ACTION,
+    AHEAD,
     AT,
     FACING,
     GOAL,
@@ -24,7 +26,7 @@ from overcooked_bench.agents.looking import (
     Facts,
     Table,
 )
-from overcooked_bench.agents.planning import FAR, NEXT
+from overcooked_bench.agents.planning import BESIDE, FAR, NEXT, Plan
 from overcooked_bench.kitchen.codes import INTERACT, STAY
 from overcooked_bench.kitchen.jit import jit
 
@@ -33,63 +35,63 @@ _YIELD: Final = 3  # steps one keeps out of the way
 _RESOLVE: Final = 8  # steps one keeps to a way, once two ways have been tried in turn
 
 
-@jit
-def walk(
-    grid: Table, ways: Table, around: Table, coins: NDArray[np.float64], width: int, facts: Facts, actions: Table
-) -> None:
-    """Writes the actions that lead to GOAL and work there, or to the cell to wait on.
+def walk(plan: Plan, coins: NDArray[np.float64], facts: Facts) -> NDArray[np.int64]:
+    """Gives the actions that lead to GOAL and work there, or to the cell to wait on.
 
     Args:
-        grid: Tables as in `Plan`.
-        ways: The same.
-        around: The same.
+        plan: The layout's tables.
         coins: (B,) numbers in [0, 1), the rows' own of this step.
-        width: W.
         facts: (B, FACTS), with GOAL; what was tried is noted.
-        actions: (B,), written.
+
+    Returns:
+        (B,) int64.
     """
+    _head_for_goal(plan.grid, plan.ways, plan.around, coins, facts)
+    _give_way(plan.grid, plan.ways, coins, facts)
+    return facts[:, ACTION].copy()
+
+
+@jit
+def _head_for_goal(grid: Table, ways: Table, around: Table, coins: NDArray[np.float64], facts: Facts) -> None:
+    """Sets ACTION to the next one of a shortest way, round the mate or straight through, as if it were not there."""
     for row in range(facts.shape[0]):
-        f, coin = facts[row], coins[row]
+        f = facts[row]
         me, mate = f[ME], f[MATE]
-        waits = f[GOAL] < 0
-        goal = f[AT + WAIT] if waits else f[GOAL]
-        passing = around[mate if around.shape[0] > 1 else 0]
+        goal = f[GOAL] if f[GOAL] >= 0 else f[AT + WAIT]
+        way = around[mate if around.shape[0] > 1 else 0]
         if f[STUCK] > 1 and f[RESOLVED] == 0:
-            f[RESOLVED] = _RESOLVE if coin < 0.5 else -_RESOLVE
-        round_it = passing[me, goal] <= ways[me, goal] + f[THROUGH]
+            f[RESOLVED] = _RESOLVE if coins[row] < 0.5 else -_RESOLVE
+        straight = way[me, goal] > ways[me, goal] + f[THROUGH]
         if f[RESOLVED] != 0:
-            round_it = f[RESOLVED] < 0 and passing[me, goal] < FAR
-        here = passing[me, goal] if round_it else ways[me, goal]
-        action, ahead = STAY, -1
+            straight = f[RESOLVED] > 0 or way[me, goal] >= FAR
+        if straight:
+            way = ways
+        f[ACTION], f[AHEAD] = STAY, -1
         for direction in range(4):
             n = grid[NEXT + direction, me]
-            if (
-                here == 0
-                and not waits
-                and me + (2 * direction - 1) * width * (direction < 2) + (5 - 2 * direction) * (direction > 1) == goal
-            ):
-                action = INTERACT if f[FACING] == direction else direction
-            if (
-                here > 0
-                and n >= 0
-                and (passing[n, goal] if round_it else ways[n, goal]) < here
-                and not (round_it and n == mate)
-            ):
-                action, ahead = direction, n
-        pushed = waits and here == 0 and f[IDLE] > 0 and grid[NEXT + f[MATE_FACING], mate] == me
+            if grid[BESIDE + direction, me] == goal and f[GOAL] >= 0:
+                f[ACTION] = INTERACT if f[FACING] == direction else direction
+            elif n >= 0 and way[n, goal] < way[me, goal] and (straight or n != mate):
+                f[ACTION], f[AHEAD] = direction, n
+
+
+@jit
+def _give_way(grid: Table, ways: Table, coins: NDArray[np.float64], facts: Facts) -> None:
+    """Waits for the mate or steps aside, rather away from it, by what both hold, and by a coin among equals."""
+    for row in range(facts.shape[0]):
+        f, coin = facts[row], coins[row]
+        me, mate, ahead, waits = f[ME], f[MATE], f[AHEAD], f[GOAL] < 0
+        evades = waits and ahead < 0 and f[IDLE] > 0 and grid[NEXT + f[MATE_FACING], mate] == me
         if ahead == mate:
-            mine = 0 if waits else 1 + f[HAND]
-            mates = 1 + f[MATE_HAND]
-            pushed = mine < mates or (mine == mates and coin < 0.5) or (f[STUCK] >= _PUSHED_LONG and coin < 0.5)
+            mine, mates = 0 if waits else 1 + f[HAND], 1 + f[MATE_HAND]
+            evades = mine < mates or (coin < 0.5 and (mine == mates or f[STUCK] >= _PUSHED_LONG))
         elif ahead >= 0 and ((f[STUCK] > 0 and coin < 0.5) or (f[YIELDING] > 0 and ways[mate, ahead] <= 1)):
-            action, ahead = STAY, -1
-        if pushed:
-            action, ahead, best = STAY, -1, -1
+            f[ACTION], f[AHEAD] = STAY, -1
+        if evades:
+            f[ACTION], f[AHEAD], f[YIELDING], best = STAY, -1, _YIELD, -1
             for k in range(4):
                 direction = (k + int(coin * 8)) % 4
                 n = grid[NEXT + direction, me]
                 if n >= 0 and n != mate and ways[mate, n] > best:
-                    best, action, ahead = ways[mate, n], direction, n
-            f[YIELDING] = _YIELD
-        f[TRIED] = ahead >= 0
-        actions[row] = action
+                    best, f[ACTION], f[AHEAD] = ways[mate, n], direction, n
+        f[TRIED] = f[AHEAD] >= 0
