@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -17,6 +17,7 @@ def draws(draw):
     return weights / weights.sum(axis=1, keepdims=True), seeds, draw(st.integers(0, 2**40))
 
 
+@settings(deadline=None)
 @given(draws(), st.randoms())
 def test_a_rows_draw_depends_on_its_own_seed_probabilities_and_step_alone(drawn, random):
     probabilities, seeds, step = drawn
@@ -28,6 +29,7 @@ def test_a_rows_draw_depends_on_its_own_seed_probabilities_and_step_alone(drawn,
         assert sample_actions(probabilities[i : i + 1], seeds[i : i + 1], step)[0] == together[i]
 
 
+@settings(deadline=None)
 @given(draws())
 def test_only_actions_of_positive_probability_are_drawn(drawn):
     probabilities, seeds, step = drawn
@@ -36,6 +38,7 @@ def test_only_actions_of_positive_probability_are_drawn(drawn):
     assert (probabilities[np.arange(len(seeds)), actions] > 0).all()
 
 
+@settings(deadline=None)
 @given(SEEDS, st.integers(0, 2**62))
 def test_uniforms_lie_in_the_unit_interval(seeds, step):
     numbers = uniforms(seeds, step)
