@@ -4,6 +4,7 @@ Axes: C = H x W cells in row-major order, R regions of the floor.
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -48,8 +49,9 @@ class Plan(NamedTuple):
     wanted: NDArray[np.int64]
 
 
+@lru_cache(maxsize=32)
 def make_plan(layout: Layout) -> Plan:
-    """Works out the tables of a layout."""
+    """Works out the tables of a layout; the same ones again, not to be changed, for the same layout."""
     kinds = dict(zip(" XPSOTD", (FLOOR, COUNTER, POT, SERVING, ONIONS, TOMATOES, DISHES), strict=True))
     tiles = np.array([kinds[tile] for row in layout.rows for tile in row], np.int64)
     cells, width = len(tiles), layout.width
