@@ -149,6 +149,7 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
         self._observation = observation
         self._shaping = float(shaping)
         self._joint = np.full((1, 2), STAY_ACTION, np.int64)
+        self._rewards, self._truncated = np.zeros((2, 1, 2)), np.zeros(1, np.bool_)
         self._seat = -1
 
     def reset(
@@ -202,14 +203,14 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
             ) from None
         if self._partner:
             self._joint[0, 1 - seat] = self._partner.act(self.kitchens)[0]
-        result = self.kitchens.step(self._joint)
-        soup = result.soup_reward.item(0) + result.soup_reward.item(1)
-        partial = result.partial_reward.item(seat)
+        over = self.kitchens.play(self._joint, self._rewards, self._truncated)
+        soup = self._rewards.item(0) + self._rewards.item(1)
+        partial = self._rewards.item(2 + seat)
         return (
             self.kitchens.observe(self._observation, None, self._seats)[0],
             soup + self._shaping * partial,
             False,
-            result.truncated.item(0),
+            over > 0,
             {"soup_reward": soup, "partial_reward": partial, "seat": seat},
         )
 

@@ -107,7 +107,7 @@ class Kitchens:
         self.autoreset = True
         self.batch = Batch(num_kitchens, len(self.plan.fresh), len(self.plan.pots))
         self._around: NDArray[np.int16] | None = None
-        self._shapes: dict[str, tuple[int, ...]] = {}
+        self._frames: dict[str, _Frame] = {}
         self._events = events
         self._no_events = np.zeros((num_kitchens, 0, len(EVENTS)), np.bool_)
         plan = self.plan
@@ -158,7 +158,7 @@ class Kitchens:
         Raises:
             ValueError: Actions of a wrong shape, type or range, or a kitchen that is over; nothing was played then.
         """
-        n, batch = self.num_kitchens, self.batch
+        n = self.num_kitchens
         joint = np.asarray(actions)
         if joint.shape != (n, 2) or joint.dtype.kind not in "iu":
             raise ValueError(
@@ -166,20 +166,47 @@ class Kitchens:
             )
         if joint.dtype != np.int64 or not joint.flags.c_contiguous:
             joint = np.ascontiguousarray(joint, np.int64)
-        rewards, truncated = np.empty((n, 2, 2)), np.empty(n, np.bool_)
+        rewards, truncated = np.empty((2, n, 2)), np.empty(n, np.bool_)
         events = np.zeros((n, 2, len(EVENTS)), np.bool_) if self._events else self._no_events
+        self.play(joint, rewards, truncated, events)
+        return StepResult(rewards[0], rewards[1], truncated, events if self._events else None)
+
+    def play(
+        self,
+        actions: NDArray[np.int64],
+        rewards: NDArray[np.float64],
+        truncated: NDArray[np.bool_],
+        events: NDArray[np.bool_] | None = None,
+    ) -> int:
+        """Does what `step` does, into the caller's arrays, whose shapes and types are not checked.
+
+        Args:
+            actions: (N, 2) int64, contiguous.
+            rewards: (2, N, 2) float64, contiguous, written: soup rewards, then partial rewards.
+            truncated: (N,) bool, written.
+            events: (N, 2, 25) bool of zeros, written; by default they are not wanted.
+
+        Returns:
+            How many kitchens have reached the horizon.
+
+        Raises:
+            ValueError: Actions out of range, or a kitchen that is over; nothing was played then.
+        """
+        batch = self.batch
+        if events is None:
+            events = self._no_events
         if self._past:
             self._past.remember(batch)
         fault, over = step_kitchens(
-            *(batch.rows, batch.clock, batch.image, *self._tables, self.horizon, joint, rewards, truncated, events)
+            *(batch.rows, batch.clock, batch.image, *self._tables, self.horizon, actions, rewards, truncated, events)
         )
         if fault >= 0:
-            self._raise_fault(fault, joint)
+            self._raise_fault(fault, actions)
         if self._past:
             self._past.advance()
         if over and self.autoreset:
             self.reset(mask=truncated)
-        return StepResult(rewards[:, 0], rewards[:, 1], truncated, events if self._events else None)
+        return int(over)
 
     def _raise_fault(self, kitchen: int, actions: NDArray[np.int64]) -> None:
         if self.batch.clock[kitchen] >= self.horizon:
@@ -207,15 +234,13 @@ class Kitchens:
         Raises:
             ValueError: An unknown name, "lossless" where tomatoes are, a stack without history, a wrong `out`.
         """
-        if name not in self._shapes:
-            self._shapes[name] = self.observation_shape(name)
-        n, shape = self.num_kitchens, self._shapes[name]
-        dtype = np.float32 if name == "features" else np.uint8
-        shape = (n, 2, *shape) if seats is None else (n, *shape)
+        n = self.num_kitchens
+        both, one, dtype, runs = self._frames.get(name) or self._frame(name)
+        shape = both if seats is None else one
         if out is None:
             out = np.empty(shape, dtype)
         elif out.shape != shape or out.dtype != dtype or not out.flags.c_contiguous:
-            raise ValueError(f"out is {out.dtype} {out.shape}; {name!r} needs a contiguous {np.dtype(dtype)} {shape}")
+            raise ValueError(f"out is {out.dtype} {out.shape}; {name!r} needs a contiguous {dtype} {shape}")
         viewers = self._both if seats is None else seats.reshape(n, 1)
         views = out.reshape(n, viewers.shape[1], -1)
         batch = self.batch
@@ -224,7 +249,6 @@ class Kitchens:
                 self._around = measure(self.layout, self.plan)
             write_features(batch.rows, self.plan.pots, self._around, viewers, views)
             return out
-        runs = _LOSSLESS26 if name == "lossless26" else _LOSSLESS
         write_views(batch.rows, batch.image, runs, viewers, views, 0)
         if name in STACKED:
             assert self._past is not None
@@ -235,6 +259,13 @@ class Kitchens:
                     at = _ONION_PLANES + (age - 1) * CHEF_CHANNELS
                     write_chefs(rows, len(self.plan.fresh), viewers, views, at)
         return out
+
+    def _frame(self, name: str) -> "_Frame":
+        n, shape = self.num_kitchens, self.observation_shape(name)
+        dtype = np.dtype(np.float32 if name == "features" else np.uint8)
+        runs = _LOSSLESS26 if name == "lossless26" else _LOSSLESS
+        self._frames[name] = _Frame((n, 2, *shape), (n, *shape), dtype, runs)
+        return self._frames[name]
 
     def observation_shape(self, name: str) -> tuple[int, ...]:
         """Gives the shape of one chef's observation.
@@ -293,6 +324,15 @@ class Kitchens:
         for age, (rows, image) in enumerate(self._past.newest_first() if self._past else (), start=1):
             arrays |= {f"rows_{age}_ago": rows, f"image_{age}_ago": image}
         return arrays
+
+
+class _Frame(NamedTuple):
+    """What `observe` needs to know of an observation: shapes of both chefs' and of one chef's views, type, planes."""
+
+    both: tuple[int, ...]
+    one: tuple[int, ...]
+    dtype: np.dtype[Any]
+    runs: NDArray[np.int64]
 
 
 class _Past:

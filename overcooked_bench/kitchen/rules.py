@@ -252,7 +252,7 @@ def step_kitchens(
         pots: See `Plan`.
         horizon: Steps of an episode.
         actions: (N, 2) ints.
-        rewards: (N, 2, 2) float64, written: [:, 0] points of each chef's delivery, [:, 1] each chef's partial rewards.
+        rewards: (2, N, 2) float64, written: [0] points of each chef's delivery, [1] each chef's partial rewards.
         truncated: (N,) bool, written.
         events: (N, 2, 25) bool of zeros, written; (N, 0, 25) where they are not wanted.
 
@@ -270,8 +270,8 @@ def step_kitchens(
         held_0, held_1 = row[HELD], row[HELD + 1]
         changed, code_before = -1, 0
         for chef in range(2):
-            rewards[i, 0, chef] = 0.0
-            rewards[i, 1, chef] = 0.0
+            rewards[0, i, chef] = 0.0
+            rewards[1, i, chef] = 0.0
             if actions[i, chef] != INTERACT:
                 continue
             ahead = ways[row[POSITION + chef], AHEAD + row[FACING + chef]]
@@ -287,15 +287,15 @@ def step_kitchens(
                     *(row[HELD + 1 - chef], useful, payments[1]),
                 )
             if done & POTTED:
-                rewards[i, 1, chef] = POTTING_REWARD
+                rewards[1, i, chef] = POTTING_REWARD
             elif done & PLATED:
-                rewards[i, 1, chef] = PLATING_REWARD
+                rewards[1, i, chef] = PLATING_REWARD
             elif done & SERVED:
-                rewards[i, 0, chef] = payments[0, item]
+                rewards[0, i, chef] = payments[0, item]
             elif done & TOOK_DISH:
                 full, wanting = count_pots(row, pots, changed, code_before)
                 if dish_is_useful(row, num_cells, wanting):
-                    rewards[i, 1, chef] = USEFUL_DISH_REWARD
+                    rewards[1, i, chef] = USEFUL_DISH_REWARD
             elif done & STARTED:
                 for p in range(num_pots):
                     if pots[p] == ahead:
