@@ -6,6 +6,7 @@ load are not used: they unpickle, and they leave out the environment and the ran
 
 import json
 import os
+from collections import deque
 from pathlib import Path
 from typing import Any, Final
 
@@ -58,7 +59,10 @@ def save_checkpoint(path: Path, model: PPO, config: dict[str, Any]) -> None:
     }
     path.parent.mkdir(parents=True, exist_ok=True)
     unfinished = path.with_suffix(".part")
-    torch.save(content, unfinished)
+    with unfinished.open("wb") as file:
+        torch.save(content, file)
+        file.flush()
+        os.fsync(file.fileno())
     os.replace(unfinished, path)
 
 
@@ -70,17 +74,33 @@ def load_checkpoint(path: Path, model: PPO, config: dict[str, Any]) -> None:
     """
     try:
         content = torch.load(path, weights_only=True)
+        if content["format"] != FORMAT:
+            raise CheckpointError(f"{path}: format {content['format']!r}; this version reads {FORMAT}")
         plain = json.loads(content["plain"])
+        _compare(path, plain["config"], config)
+        _apply(content, plain, model)
+    except CheckpointError:
+        raise
     except FileNotFoundError:
         raise CheckpointError(f"{path}: no checkpoint to resume from; start without --resume") from None
-    except Exception as error:
-        raise CheckpointError(f"{path}: not a checkpoint of ours ({type(error).__name__}: {error})") from None
-    if content.get("format") != FORMAT:
-        raise CheckpointError(f"{path}: format {content.get('format')!r}; this version reads {FORMAT}")
-    differing = sorted(key for key in {*config, *plain["config"]} if config.get(key) != plain["config"].get(key))
+    except Exception as error:  # a broken file shows itself in many ways
+        fault = str(error).partition("\n")[0]
+        raise CheckpointError(
+            f"{path}: not a checkpoint of this run, or damaged ({type(error).__name__}: {fault}); "
+            "start anew without --resume and with another --output"
+        ) from None
+
+
+def _compare(path: Path, theirs: dict[str, Any], ours: dict[str, Any]) -> None:
+    differing = sorted(key for key in {*ours, *theirs} if ours.get(key) != theirs.get(key))
     if differing:
-        told = ", ".join(f"{key} was {plain['config'].get(key)!r}, is {config.get(key)!r}" for key in differing)
-        raise CheckpointError(f"{path}: the checkpoint belongs to another configuration ({told}); choose another --output")
+        told = ", ".join(f"{key} was {theirs.get(key)!r}, is {ours.get(key)!r}" for key in differing)
+        raise CheckpointError(
+            f"{path}: the checkpoint belongs to another configuration ({told}); choose another --output"
+        )
+
+
+def _apply(content: dict[str, Any], plain: dict[str, Any], model: PPO) -> None:
     arrays = {key: _as_array(value) for key, value in content["arrays"].items()}
     env = model.get_env()
     assert isinstance(env, OvercookedVecEnv)
@@ -90,7 +110,8 @@ def load_checkpoint(path: Path, model: PPO, config: dict[str, Any]) -> None:
     model.num_timesteps, model._n_updates = plain["num_timesteps"], plain["n_updates"]
     model._last_obs = arrays["last_obs"]
     model._last_episode_starts = arrays["last_episode_starts"]
-    model.ep_info_buffer.extend(plain["episodes"])  # type: ignore[union-attr]
+    model.ep_info_buffer = deque(plain["episodes"], maxlen=model._stats_window_size)
+    model.ep_success_buffer = deque(maxlen=model._stats_window_size)
     torch.set_rng_state(content["torch_random"])
     name, position, has_gauss, gauss = plain["numpy"]
     np.random.set_state((name, arrays["numpy.keys"], position, has_gauss, gauss))  # noqa: NPY002
@@ -99,7 +120,8 @@ def load_checkpoint(path: Path, model: PPO, config: dict[str, Any]) -> None:
 def _as_tensor(array: np.ndarray[Any, Any]) -> dict[str, Any]:
     """Stores any numeric array as bytes with its type, since torch lacks some of numpy's types."""
     data = np.ascontiguousarray(array)
-    return {"type": data.dtype.str, "shape": list(array.shape), "bytes": torch.from_numpy(data.reshape(-1).view(np.uint8).copy())}
+    raw = torch.from_numpy(data.reshape(-1).view(np.uint8).copy())
+    return {"type": data.dtype.str, "shape": list(array.shape), "bytes": raw}
 
 
 def _as_array(stored: dict[str, Any]) -> np.ndarray[Any, Any]:

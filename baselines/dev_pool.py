@@ -13,11 +13,13 @@ from pathlib import Path
 
 import tyro
 
-from overcooked_bench.agents.manifest import AgentRecord, SelfPlay as SelfPlayReturn
+from overcooked_bench.agents.manifest import AgentRecord
+from overcooked_bench.agents.manifest import SelfPlay as SelfPlayReturn
 from overcooked_bench.agents.policy import policy_files
 from overcooked_bench.agents.pool import write_manifest
-from overcooked_bench.baselines.seeds import derive_seed
-from overcooked_bench.baselines.self_play import METHOD, SelfPlay, mean_interval, train
+
+from .seeds import derive_seed
+from .self_play import METHOD, SelfPlay, mean_interval, train
 
 POOL = "dev-v0"
 AGENTS = 4
@@ -55,7 +57,12 @@ def build(runs: Path, layouts: tuple[str, ...], agents: tuple[int, ...]) -> bool
             if outcome is None:
                 return False
             low, high = mean_interval(outcome.returns)
-            returns = {"mean": float(outcome.returns.mean()), "low": low, "high": high, "episodes": len(outcome.returns)}
+            returns = {
+                "mean": float(outcome.returns.mean()),
+                "low": low,
+                "high": high,
+                "episodes": len(outcome.returns),
+            }
             record = {"seed": seed, "steps": outcome.steps, "self_play": returns, "seconds": outcome.seconds}
             (run / "record.json").write_text(json.dumps(record, indent=2) + "\n")
             print(f"{layout} sp-{index}: {returns['mean']:.1f} points in {outcome.seconds:.0f} s", flush=True)

@@ -1,4 +1,4 @@
-"""Which numbers of a grid observation can ever change: the others are a bias, and need not be multiplied at each step."""
+"""Which numbers of a grid observation can ever change: the others are a bias that no layer needs to multiply."""
 
 import numpy as np
 from numpy.typing import NDArray

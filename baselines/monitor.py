@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 
-from overcooked_bench.baselines.checkpoint import save_checkpoint
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
+
+from .checkpoint import save_checkpoint
 
 _RECENT = 100
 _SECONDS_BETWEEN_LINES = 30
@@ -23,13 +25,18 @@ _SECONDS_BETWEEN_LINES = 30
 class Monitor(BaseCallback):
     """Sets the schedules before each rollout, saves there, and shows how the run is doing.
 
+    The first Ctrl-C lets the rollout and its update come to an end, saves, and stops; the second one stops at once.
+
     Args:
         config: The run's resolved configuration.
-        checkpoint: Where to save, every `every` joint steps, and when the run is interrupted.
+        checkpoint: Where to save, every `every` joint steps, and when the run is stopped.
         every: Joint steps between checkpoints.
         steps: Joint steps of the whole run.
         shaping: Weight of the partial rewards by joint steps done.
         entropy: Coefficient of the entropy bonus by joint steps done.
+
+    Attributes:
+        stopped: Whether the run was stopped, and saved, before its end.
     """
 
     def __init__(
@@ -44,19 +51,11 @@ class Monitor(BaseCallback):
         super().__init__()
         self._config, self._checkpoint, self._every, self._steps = config, checkpoint, every, steps
         self._shaping, self._entropy = shaping, entropy
-        self._saved_at = -1
         self._returns: deque[float] = deque(maxlen=_RECENT)
-        self.interrupted = False
-
-    def _on_training_start(self) -> None:
-        self._before = signal.getsignal(signal.SIGINT)
-        try:
-            signal.signal(signal.SIGINT, self._interrupt)
-        except ValueError:  # not in the main thread: nobody types Ctrl-C there
-            self._before = None
-        self._saved_at = self._first = self._done
-        self._began = self._told = time.monotonic()
-        console = Console(stderr=True)
+        self._name = "custom kitchen" if "\n" in config["layout"] else config["layout"]
+        self._asked = self._answered = False
+        self._restore: Callable[[], object] = lambda: None
+        self._console = Console(stderr=True)
         self._progress = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -64,59 +63,84 @@ class Monitor(BaseCallback):
             TimeElapsedColumn(),
             TextColumn("left"),
             TimeRemainingColumn(),
-            console=console,
-            disable=not console.is_terminal,
+            console=self._console,
+            disable=not self._console.is_terminal,
         )
-        self._task = self._progress.add_task(self._config["layout"], total=self._steps, told="")
+        self.stopped = False
+
+    def close(self) -> None:
+        """Gives Ctrl-C and the terminal back; needed after a run that ended by an exception, harmless after others."""
+        self._progress.stop()
+        self._restore()
+        self._restore = lambda: None
+
+    def _on_training_start(self) -> None:
+        try:
+            before = signal.signal(signal.SIGINT, self._interrupt)
+            self._restore = lambda: signal.signal(signal.SIGINT, before)
+        except ValueError:  # not in the main thread: nobody types Ctrl-C there
+            pass
+        self._saved_at = self._first = self._done
+        self._began = self._told = time.monotonic()
+        self._task = self._progress.add_task(self._name, total=self._steps, completed=self._done, told="")
         self._progress.start()
 
     def _on_rollout_start(self) -> None:
         done = self._done
-        if done - self._saved_at >= self._every or self.interrupted:
-            save_checkpoint(self._checkpoint, self.model, self._config)  # type: ignore[arg-type]
+        self.stopped = self._asked
+        if self.stopped or done - self._saved_at >= self._every:
+            assert isinstance(self.model, PPO)
+            save_checkpoint(self._checkpoint, self.model, self._config)
             self._saved_at = done
-        assert isinstance(self.training_env, OvercookedVecEnv)
-        self.training_env.set_shaping(self._shaping(done))
+        self._env.set_shaping(self._shaping(done))
         self.model.ent_coef = self._entropy(done)  # type: ignore[attr-defined]
         self._tell(done)
 
     def _on_step(self) -> bool:
+        if self._asked and not self._answered:
+            self._answered = True
+            self._console.print("stopping and saving after this update; Ctrl-C again stops at once")
         if self.locals["dones"][0]:
-            self._returns.extend(info["episode_soup_reward"] for info in self.locals["infos"][::2])
-        return not self.interrupted
+            rows = self._env.num_envs // self._env.kitchens.num_kitchens
+            self._returns.extend(info["episode_soup_reward"] for info in self.locals["infos"][::rows])
+        return not self.stopped
+
+    def _on_rollout_end(self) -> None:
+        if self._returns:
+            self.logger.record("rollout/soup_reward", float(np.mean(self._returns)))
+        self.logger.record("train/joint_steps", self._done)
 
     def _on_training_end(self) -> None:
+        if self.logger.name_to_value:  # the last update's
+            self.logger.record("train/joint_steps", self._done)
+            self.logger.dump(self.model.num_timesteps)
         self._tell(self._done, last=True)
-        self._progress.stop()
-        if self._before is not None:
-            signal.signal(signal.SIGINT, self._before)
+        self.close()
+
+    @property
+    def _env(self) -> OvercookedVecEnv:
+        assert isinstance(self.training_env, OvercookedVecEnv)
+        return self.training_env
 
     @property
     def _done(self) -> int:
-        """Joint steps so far; SB3 counts each seat's."""
-        return self.num_timesteps_joint
-
-    @property
-    def num_timesteps_joint(self) -> int:
-        """Joint steps that the learner has seen."""
-        assert isinstance(self.training_env, OvercookedVecEnv)
-        return int(self.model.num_timesteps) * self.training_env.kitchens.num_kitchens // self.training_env.num_envs
+        """Joint steps so far; SB3 counts each row's."""
+        return self.model.num_timesteps * self._env.kitchens.num_kitchens // self._env.num_envs
 
     def _tell(self, done: int, last: bool = False) -> None:
         now = time.monotonic()
         rate = (done - self._first) / max(now - self._began, 1e-9)
-        mean = float(np.mean(self._returns)) if self._returns else 0.0
-        self.logger.record("rollout/soup_reward", mean)
-        self.logger.record("train/joint_steps", done)
-        told = f"return {mean:5.1f}  soups {mean / 20:4.1f}  {rate:7.0f} steps/s"
+        told = f"{rate:7.0f} steps/s"
+        if self._returns:
+            mean = float(np.mean(self._returns))
+            told = f"return {mean:5.1f}  soups {mean / 20:4.1f}  {told}"
         self._progress.update(self._task, completed=done, told=told)
         if self._progress.disable and (last or now - self._told > _SECONDS_BETWEEN_LINES):
             self._told = now
-            left = (self._steps - done) / max(rate, 1e-9)
-            print(f"{self._config['layout']}: {done:,} of {self._steps:,} steps  {told}  {left:.0f} s left", flush=True)
+            left = f"  {max(0, self._steps - done) / rate:.0f} s left" if rate else ""
+            print(f"{self._name}: {done:,} of {self._steps:,} steps  {told}{left}", flush=True)
 
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
-        """Asks for a stop at the next rollout; a second Ctrl-C stops at once."""
-        if self.interrupted:
+        if self._asked:
             raise KeyboardInterrupt
-        self.interrupted = True
+        self._asked = True

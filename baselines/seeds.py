@@ -8,6 +8,12 @@ USER: Final = "user"
 
 
 def derive_seed(namespace: str, layout: str, method: str, index: int) -> int:
-    """Gives the 32-bit seed of one training run, from SHA-256 of (namespace, layout, method, index)."""
+    """Gives the 32-bit seed of one training run, from SHA-256 of (namespace, layout, method, index).
+
+    Raises:
+        ValueError: The namespace or the method has several lines, with which two runs could share one hash.
+    """
+    if "\n" in namespace + method:
+        raise ValueError(f"namespace={namespace!r}, method={method!r}; give names of one line")
     text = "\n".join((namespace, layout, method, str(index)))
     return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "big")

@@ -1,13 +1,13 @@
 """Self-play: one policy on both seats learns from both seats' experience.
 
-Source: Carroll et al. 2019 (self-play PPO on the lossless encoding, partial rewards annealed to zero); random starts and
-an annealed entropy bonus after the thesis, 6.1 and Table 6.1. Network and sizes are our own: small and quick.
+Source: Carroll et al. 2019 (self-play PPO on the lossless encoding, partial rewards annealed to zero); random starts
+and an annealed entropy bonus after the thesis, 6.1 and Table 6.1. Network and sizes are our own: small and quick.
 """
 
 import json
 import sys
 import time
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -15,20 +15,22 @@ import numpy as np
 import torch
 import tyro
 from stable_baselines3 import PPO
-from stable_baselines3.common.logger import configure
+from stable_baselines3.common.logger import Logger, make_output_format
 
 from overcooked_bench.agents.neural import NeuralAgent
 from overcooked_bench.agents.policy import PolicyFiles, load_policy, save_policy
-from overcooked_bench.baselines.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
-from overcooked_bench.baselines.inputs import live_inputs
-from overcooked_bench.baselines.monitor import Monitor
-from overcooked_bench.baselines.seeds import USER, derive_seed
-from overcooked_bench.baselines.trunk import TrunkPolicy, frozen_actor, policy_kwargs
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 from overcooked_bench.evaluation.play import play_episodes
 from overcooked_bench.kitchen.layout import Layout, LayoutError
 
+from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from .inputs import live_inputs
+from .monitor import Monitor
+from .seeds import USER, derive_seed
+from .trunk import TrunkPolicy, frozen_actor, policy_kwargs
+
 METHOD = "self-play"
+_STOPPED = 130
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class SelfPlay:
     clip: float = 0.2
     """PPO's clipping range."""
     value_coefficient: float = 0.05
-    """Weight of the critic's loss; at 0.5 its gradient, clipped together with the actor's, leaves the actor standing."""
+    """Weight of the critic's loss; at 0.5 its gradient, clipped with the actor's, leaves the actor standing."""
     max_grad_norm: float = 0.5
     """Longest gradient."""
     entropy_start: float = 0.03
@@ -77,6 +79,25 @@ class SelfPlay:
     """Start states."""
     horizon: int = 400
     """Steps of an episode."""
+
+    def __post_init__(self) -> None:
+        """Refuses what PPO cannot be run with.
+
+        Raises:
+            ValueError: Names the setting and what it may be.
+        """
+        for name in ("num_kitchens", "rollout", "epochs", "minibatches", "horizon"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name}={getattr(self, name)}; give a number from 1")
+        update = self.num_kitchens * self.rollout
+        if self.steps < 2 * update:
+            raise ValueError(f"steps={self.steps}; give at least two updates, {2 * update} joint steps")
+        if (2 * update) % self.minibatches or 2 * update == self.minibatches:
+            raise ValueError(
+                f"minibatches={self.minibatches}; give a divisor of the {2 * update} steps of both chefs in an update"
+            )
+        if not self.hidden or min(self.hidden) < 1:
+            raise ValueError(f"hidden={self.hidden}; give the width of each layer, from 1")
 
 
 @dataclass(frozen=True)
@@ -111,7 +132,7 @@ def make_learner(config: SelfPlay, seed: int) -> PPO:
     return PPO(
         TrunkPolicy,
         env,
-        learning_rate=lambda left: config.learning_rate * left,
+        learning_rate=lambda left: config.learning_rate * max(0.0, left),  # the last rollout may end after `steps`
         n_steps=config.rollout,
         batch_size=2 * config.num_kitchens * config.rollout // config.minibatches,
         n_epochs=config.epochs,
@@ -149,7 +170,6 @@ def train(config: SelfPlay, output: Path, seed: int, *, resume: bool = False, ev
         load_checkpoint(checkpoint, model, resolved)
     output.mkdir(parents=True, exist_ok=True)
     (output / "config.json").write_text(json.dumps(resolved, indent=2) + "\n")
-    model.set_logger(configure(str(output / "logs"), ["tensorboard", "json"]))
     faded = max(1.0, config.shaping_share * config.steps)
     monitor = Monitor(
         resolved,
@@ -159,10 +179,15 @@ def train(config: SelfPlay, output: Path, seed: int, *, resume: bool = False, ev
         shaping=lambda done: max(0.0, 1 - done / faded),
         entropy=lambda done: config.entropy_start + (config.entropy_end - config.entropy_start) * done / config.steps,
     )
+    model.set_logger(_open_logs(output / "logs", model.num_timesteps // 2))
     began = time.perf_counter()
-    model.learn(2 * config.steps - model.num_timesteps, callback=monitor, reset_num_timesteps=not resume)
+    try:
+        model.learn(2 * config.steps - model.num_timesteps, callback=monitor, reset_num_timesteps=not resume)
+    finally:
+        monitor.close()
+        model.logger.close()
     seconds = time.perf_counter() - began
-    if monitor.interrupted:
+    if monitor.stopped:
         return None
     save_checkpoint(checkpoint, model, resolved)
     layout = Layout.load(config.layout).name
@@ -172,9 +197,13 @@ def train(config: SelfPlay, output: Path, seed: int, *, resume: bool = False, ev
     return Outcome(files, returns, model.num_timesteps // 2, seconds)
 
 
-def evaluate(
-    files: PolicyFiles, config: SelfPlay, episodes: int = 100
-) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def _open_logs(folder: Path, done: int) -> Logger:
+    """Logs for TensorBoard and as JSON lines; a run that goes on after `done` joint steps keeps its earlier logs."""
+    suffix = f"-from-{done}" if done else ""
+    return Logger(str(folder), [make_output_format(kind, str(folder), suffix) for kind in ("tensorboard", "json")])
+
+
+def evaluate(files: PolicyFiles, config: SelfPlay, episodes: int = 100) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """Plays a frozen policy with itself: (episodes,) soup reward, sampled actions, in points."""
     pair = tuple(NeuralAgent(load_policy(files.weights)) for _ in range(2))
     games = play_episodes(
@@ -199,7 +228,7 @@ class _Run(SelfPlay):
 
 
 def main(arguments: list[str]) -> int:
-    """Runs `overcooked-bench train self-play ...`; gives the exit code."""
+    """Runs `overcooked-bench train self-play ...`; gives the exit code: 0, 2 for wrong use, 130 after Ctrl-C."""
     run = tyro.cli(_Run, args=arguments, prog="overcooked-bench train self-play", description=_HELP)
     try:
         name = Layout.load(run.layout).name
@@ -208,14 +237,16 @@ def main(arguments: list[str]) -> int:
         config = SelfPlay(**{key: getattr(run, key) for key in SelfPlay.__dataclass_fields__})
         seed = derive_seed(USER, name, METHOD, run.seed)
         if (output / "checkpoint.pt").exists() and not run.resume:
-            raise CheckpointError(f"{output} holds a run already; add --resume to go on with it, or choose another --output")
-        outcome = train(replace(config), output, seed, resume=run.resume, every=run.checkpoint_every)
+            raise CheckpointError(
+                f"{output} holds a run already; go on with it by --resume, or choose another --output"
+            )
+        outcome = train(config, output, seed, resume=run.resume, every=run.checkpoint_every)
     except (LayoutError, CheckpointError) as error:
         print(f"overcooked-bench train: {error}", file=sys.stderr)
         return 2
     if outcome is None:
-        print(f"interrupted and saved; go on with: overcooked-bench train self-play ... --output {output} --resume")
-        return 1
+        print(f"stopped, and saved in {output}; the same command with --resume goes on from there", file=sys.stderr)
+        return _STOPPED
     low, high = mean_interval(outcome.returns)
     print(
         f"{outcome.files.weights}: return with itself {outcome.returns.mean():.1f} "

@@ -1,4 +1,4 @@
-"""One trunk for actor and critic: the features extractor of the multilayer baselines, and its way to a frozen policy."""
+"""One trunk for actor and critic: the features extractor of the baselines, and its way to a frozen policy."""
 
 from itertools import pairwise
 from math import prod
@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import torch
 from gymnasium import spaces
-from stable_baselines3.common.policies import ActorCriticPolicy
 from numpy.typing import NDArray
+from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 from stable_baselines3.common.type_aliases import PyTorchObs
 
@@ -40,13 +40,17 @@ class Trunk(BaseFeaturesExtractor):
             x = torch.relu(layer(x))  # (B, width)
         return x
 
+    def linears(self) -> list[torch.nn.Linear]:
+        """Lists the layers; the first one reads the live inputs."""
+        return [layer for layer in self.layers if isinstance(layer, torch.nn.Linear)]
+
 
 class TrunkPolicy(ActorCriticPolicy):
     """SB3's policy without its preprocessing: the trunk itself turns the few live inputs into floats."""
 
     def extract_features(
         self, obs: PyTorchObs, features_extractor: BaseFeaturesExtractor | None = None
-    ) -> torch.Tensor | tuple[torch.Tensor, torch.Tensor]:
+    ) -> torch.Tensor:
         """Gives the trunk's values for uint8 observations."""
         return self.features_extractor(obs)  # type: ignore[no-any-return]
 
@@ -70,14 +74,15 @@ def frozen_actor(
     """
     trunk = policy.features_extractor
     assert isinstance(trunk, Trunk)
-    weights = {}
-    for i, layer in enumerate(trunk.layers):
-        weights[f"trunk.{i}.weight"], weights[f"trunk.{i}.bias"] = layer.weight, layer.bias
-    inputs = prod(policy.observation_space.shape or ())
-    first = torch.zeros(len(trunk.layers[0].bias), inputs)
-    first[:, trunk.live] = trunk.layers[0].weight.detach()
-    weights["trunk.0.weight"] = first
-    weights["action.weight"], weights["action.bias"] = policy.action_net.weight, policy.action_net.bias
+    head = policy.action_net
+    assert isinstance(head, torch.nn.Linear)
+    named = {**{f"trunk.{i}": layer for i, layer in enumerate(trunk.linears())}, "action": head}
+    weights: dict[str, torch.Tensor] = {}
+    for name, layer in named.items():
+        weights[f"{name}.weight"], weights[f"{name}.bias"] = layer.weight.detach().clone(), layer.bias.detach().clone()
+    narrow = weights["trunk.0.weight"]  # (hidden[0], live)
+    weights["trunk.0.weight"] = narrow.new_zeros(len(narrow), prod(policy.observation_space.shape or ()))
+    weights["trunk.0.weight"][:, trunk.live] = narrow
     architecture = Mlp(
         observation=observation,  # type: ignore[arg-type]
         observation_shape=policy.observation_space.shape or (),

@@ -44,6 +44,15 @@ class Partners:
         self._shares = np.array_split(np.arange(num_kitchens), len(partners))
         self.observations = tuple(mate.observation for mate in self._mates)
 
+    def shown_by(self, kitchens: Kitchens) -> None:
+        """Checks that these kitchens can show what the partners want to see.
+
+        Raises:
+            ValueError: They cannot; says why.
+        """
+        for mate in self._mates:
+            mate.shown_by(kitchens)
+
     def reset(self, kitchens: Kitchens, seats: NDArray[np.int64], seeds: NDArray[np.uint64]) -> None:
         """Starts new episodes in all kitchens; `seats` (N,) are the partners' own, `seeds` (N,) uint64."""
         for mate, share in zip(self._mates, self._shares, strict=True):

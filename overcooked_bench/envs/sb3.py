@@ -3,6 +3,7 @@
 Axes: N kitchens, R rows that the learner sees (N against partners, 2 N in self-play).
 """
 
+import time
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
+from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from overcooked_bench.agents.agent import Agent
@@ -26,8 +28,8 @@ class OvercookedVecEnv(VecEnv):
 
     Against partners, row i is the learner in kitchen i. In self-play both seats learn: rows 2k and 2k + 1 are chefs 0
     and 1 of kitchen k. All kitchens start together and reach the horizon together; `infos[i]` is then as a VecMonitor
-    and SB3's own vector environments give it (`episode`, `terminal_observation`, `TimeLimit.truncated`), with the team's
-    soup reward of the episode as `episode_soup_reward` besides; before the horizon all rows share one empty dict.
+    and SB3's own vector environments give it (`episode`, `terminal_observation`, `TimeLimit.truncated`), and has the
+    team's soup reward of the episode as `episode_soup_reward`; before the horizon all rows share one empty dict.
 
     Args:
         layout: A shipped name, a grid's text, the path of a `.layout` file, or a Layout.
@@ -76,6 +78,8 @@ class OvercookedVecEnv(VecEnv):
             object_probability=object_probability,
             history=history_for(observation, *(self._partners.observations if self._partners else ())),
         )
+        if self._partners:
+            self._partners.shown_by(self.kitchens)
         self.kitchens.autoreset = False
         self._observation = observation
         self._shaping = float(shaping)
@@ -87,6 +91,7 @@ class OvercookedVecEnv(VecEnv):
         self._soup_returns = np.zeros(num_envs)
         self._rows = np.arange(rows)
         self._nothing_to_tell: list[dict[str, Any]] = [{}] * rows
+        self._made = time.time()
         self.render_mode = "rgb_array"
         super().__init__(rows, observation_space(self.kitchens, observation), action_space())
 
@@ -95,24 +100,42 @@ class OvercookedVecEnv(VecEnv):
         self._shaping = float(weight)
 
     def reset(self) -> VecEnvObs:
-        """Starts new episodes everywhere: (R, ...) observations. A seed set by `seed` takes effect here."""
-        if self._seeds[0] is not None:
+        """Starts new episodes everywhere: (R, ...) observations.
+
+        A seed set by `seed` takes effect here, and all rows share it; otherwise the random streams go on.
+        """
+        if self._seeds[0] is None:
+            self.kitchens.reset()
+        else:
             self._rng = np.random.default_rng(self._seeds[0])
-        self.kitchens.reset(seed=int(self._rng.integers(2**63)))
+            self.kitchens.reset(seed=int(self._rng.integers(2**63)))
         self._start_episodes()
         self._reset_seeds()
         self._reset_options()
         return self._views()
 
     def step_async(self, actions: NDArray[np.int64]) -> None:
-        """Takes the learner's actions, (R,) ints."""
-        self._joint.reshape(-1)[self._rows] = actions
+        """Takes the learner's actions, (R,) ints.
+
+        Raises:
+            ValueError: Another shape or type.
+        """
+        given = np.asarray(actions)
+        if given.shape != self._rows.shape or given.dtype.kind not in "iu":
+            raise ValueError(
+                f"actions have the shape {given.shape} and the type {given.dtype}; "
+                f"give whole numbers of the shape {self._rows.shape}"
+            )
+        self._joint.reshape(-1)[self._rows] = given
 
     def step_wait(self) -> VecEnvStepReturn:
         """Plays the step.
 
         Returns:
             (R, ...) observations, (R,) float32 rewards, (R,) bool whether the horizon was reached, and R infos.
+
+        Raises:
+            ValueError: An action, of the learner or of a partner, out of range; nothing was played then.
         """
         if self._partners:
             self._joint.reshape(-1)[self._rows ^ 1] = self._partners.act(self.kitchens)
@@ -122,7 +145,7 @@ class OvercookedVecEnv(VecEnv):
         self._returns += rewards
         self._soup_returns += soup
         dones = result.truncated[self._rows >> 1]
-        infos = self._finish(dones) if dones[0] else self._nothing_to_tell
+        infos = self._finish(dones) if dones.any() else self._nothing_to_tell
         return self._views(), rewards.astype(np.float32), dones, infos
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
@@ -141,20 +164,28 @@ class OvercookedVecEnv(VecEnv):
         }
 
     def restore(self, arrays: dict[str, NDArray[Any]]) -> None:
-        """Goes back to a `snapshot`."""
+        """Goes back to a `snapshot`; a seed that waits for the next reset is forgotten.
+
+        Raises:
+            ValueError: There are partners, or the snapshot is of other kitchens.
+        """
+        if self._partners:
+            raise ValueError("an environment with partners cannot be restored: what they remember is their own")
         kitchens = {k.removeprefix("kitchens."): v for k, v in arrays.items() if k.startswith("kitchens.")}
         self.kitchens.restore(kitchens)
         self._returns[...] = arrays["returns"]
         self._soup_returns[...] = arrays["soup_returns"]
         self._shaping = float(arrays["shaping"])
+        self._reset_seeds()
 
     def _finish(self, dones: NDArray[np.bool_]) -> list[dict[str, Any]]:
         if not dones.all():
             raise RuntimeError("only some kitchens are over; episodes of one OvercookedVecEnv start and end together")
         last = self._views()
+        seconds = round(time.time() - self._made, 6)
         infos = [
             {
-                "episode": {"r": float(total), "l": self.kitchens.horizon, "t": self.kitchens.horizon},
+                "episode": {"r": float(total), "l": self.kitchens.horizon, "t": seconds},
                 "episode_soup_reward": float(self._soup_returns[row >> 1]),
                 "terminal_observation": last[k],
                 "TimeLimit.truncated": True,
@@ -217,8 +248,8 @@ class OvercookedVecEnv(VecEnv):
     def env_is_wrapped(
         self, wrapper_class: type[gym.Wrapper[Any, Any, Any, Any]], indices: VecEnvIndices = None
     ) -> list[bool]:
-        """Tells that no row is wrapped."""
-        return [False for _ in self._get_indices(indices)]
+        """Tells that no row is wrapped, except in a Monitor: what that reports is in the infos already."""
+        return [wrapper_class is Monitor for _ in self._get_indices(indices)]
 
     def _need_all(self, indices: VecEnvIndices) -> None:
         chosen: Iterable[int] = self._get_indices(indices)
