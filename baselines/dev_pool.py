@@ -24,10 +24,11 @@ from .self_play import METHOD, SelfPlay, mean_interval, train
 POOL = "dev-v0"
 AGENTS = 4
 CONFIGS = {
-    layout: SelfPlay(layout)
-    for layout in (
-        *("cramped_room", "asymmetric_advantages", "coordination_ring", "forced_coordination", "counter_circuit"),
-    )
+    "cramped_room": SelfPlay("cramped_room"),
+    "asymmetric_advantages": SelfPlay("asymmetric_advantages"),
+    "coordination_ring": SelfPlay("coordination_ring"),
+    "forced_coordination": SelfPlay("forced_coordination"),
+    "counter_circuit": SelfPlay("counter_circuit", steps=2_800_000),
 }
 
 
