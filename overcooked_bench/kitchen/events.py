@@ -1,6 +1,6 @@
 """The 25 events of the reference kitchen, each with the chef who caused it.
 
-Source: overcooked_ai (`EVENT_TYPES` and the `log_object_*` methods of `OvercookedGridworld`), told in kitchen-spec section 3.
+Source: overcooked_ai (`EVENT_TYPES` and the `log_object_*` methods of `OvercookedGridworld`).
 """
 
 from typing import Final
@@ -56,7 +56,7 @@ def best_reachable(soup_rewards: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 @jit
-def record_interaction(
+def record_interaction(  # noqa: C901 (a list of cases; splitting it would hide it)
     flags: NDArray[np.bool_],
     cell: int,
     new_cell: int,

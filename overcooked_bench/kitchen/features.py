@@ -1,7 +1,7 @@
 """The 96 hand-made features: each chef's surroundings relative to the nearest things by walking distance.
 
-Source: overcooked_ai (`OvercookedGridworld.featurize_state`, two pot slots, counters no goals), told in kitchen-spec
-section 5. The order of the soup counts is the code's, not the one of its docstring (public issue #165).
+Source: overcooked_ai (`OvercookedGridworld.featurize_state`, two pot slots, counters no goals).
+The order of the soup counts is the code's, not the one of its docstring (public issue #165).
 """
 
 from typing import Final

@@ -20,14 +20,16 @@ def jit(function: Function) -> Function:
     """Compiles a kernel on first use, releasing the GIL, with the compiled code kept on disk where that is possible.
 
     Numba's own cache looks at the file of the outermost function only, and would keep old code when an inlined kernel
-    of another file changes; this one lies in a folder named after the content of the kitchen's sources and that file.
+    of another file changes; this one lies in a folder named after the content of the kitchen's sources and of the
+    files beside the kernel's own.
     """
     folder = _cache_folder(Path(function.__code__.co_filename))
     options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
     if folder is None or DISABLED:
         return numba.njit(**options)(function)  # type: ignore[no-any-return]
     before = numba.config.CACHE_DIR  # type: ignore[attr-defined]
-    numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]  # read when the function is decorated, never later
+    # Read when the function is decorated, never later.
+    numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
     try:
         return numba.njit(cache=True, **options)(function)  # type: ignore[no-any-return]
     finally:
@@ -37,7 +39,7 @@ def jit(function: Function) -> Function:
 @cache
 def _cache_folder(source: Path) -> Path | None:
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted({*Path(__file__).parent.glob("*.py"), source}):
+    for path in sorted({*Path(__file__).parent.glob("*.py"), *source.parent.glob("*.py")}):
         digest.update(path.read_bytes())
     if sys.platform == "win32":
         home = os.environ.get("LOCALAPPDATA")

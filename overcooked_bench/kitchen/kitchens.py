@@ -65,7 +65,7 @@ class Kitchens:
     Args:
         layout: A shipped name, a grid's text, a `.layout` file or a Layout.
         num_kitchens: N.
-        cooking: "auto" (a pot starts by itself at the third ingredient) or "manual" (an empty-handed interact starts it).
+        cooking: "auto" (a pot starts by itself at the third ingredient) or "manual" (an empty-handed interact does it).
         horizon: Steps of an episode.
         start: "random" or "standard".
         object_probability: Chance of each pot and each pair of hands to be filled at the start.
@@ -98,7 +98,7 @@ class Kitchens:
         _expect("history", history, history in (0, HISTORY), f"0 or {HISTORY}")
         if start == "standard" and not self.layout.start_cells:
             raise ValueError(
-                "start='standard', but the grid names no start cells; mark two floor cells with 1 and 2, or use 'random'"
+                "start='standard', but the grid names no start cells; mark two with the digits 1 and 2, or use 'random'"
             )
         self.num_kitchens = num_kitchens
         self.horizon = horizon
@@ -162,7 +162,8 @@ class Kitchens:
         joint = np.asarray(actions)
         if joint.shape != (n, 2) or joint.dtype.kind not in "iu":
             raise ValueError(
-                f"actions have the shape {joint.shape} and the type {joint.dtype}; give whole numbers of the shape ({n}, 2)"
+                f"actions have the shape {joint.shape} and the type {joint.dtype}; "
+                f"give whole numbers of the shape ({n}, 2)"
             )
         if joint.dtype != np.int64 or not joint.flags.c_contiguous:
             joint = np.ascontiguousarray(joint, np.int64)
@@ -320,7 +321,12 @@ class Kitchens:
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
         batch = self.batch
-        arrays = {"rows": batch.rows, "clock": batch.clock, "image": batch.image, "stream": batch.stream}
+        arrays: dict[str, NDArray[Any]] = {
+            "rows": batch.rows,
+            "clock": batch.clock,
+            "image": batch.image,
+            "stream": batch.stream,
+        }
         for age, (rows, image) in enumerate(self._past.newest_first() if self._past else (), start=1):
             arrays |= {f"rows_{age}_ago": rows, f"image_{age}_ago": image}
         return arrays

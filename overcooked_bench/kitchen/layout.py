@@ -18,7 +18,7 @@ LONGEST_COOK_TIME = 254  # grids are uint8, and 255 would make SB3 take them for
 MOST_CELLS = 4096
 
 PerRecipe = float | Mapping[str, float] | Sequence[float]
-"""One number for all, one for each ingredient, or one for each order (kitchen-spec section 12)."""
+"""One number for all, one for each ingredient, or one for each order."""
 
 
 class LayoutError(ValueError):
@@ -33,7 +33,7 @@ class Layout:
 
     Attributes:
         name: What agents are told: a shipped layout's name, or the grid's text.
-        rows: H strings of W tiles: `X` counter, `P` pot, `O` onions, `T` tomatoes, `D` dishes, `S` serving, space floor.
+        rows: H strings of W tiles: `X` counter, `P` pot, `O` onions, `T` tomatoes, `D` dishes, `S` serving, ` ` floor.
         start_cells: Standard start cell of each chef, from the digits of the grid; empty where there were none.
         orders: Recipes that are paid for.
         bonus_orders: Recipes that are paid `order_bonus` times.
@@ -77,7 +77,7 @@ class Layout:
         Raises:
             LayoutError: The grid or the menu breaks a rule; names row and column, counted from 1.
 
-        Source: kitchen-spec sections 0 and 12, after overcooked_ai's layout files.
+        Source: overcooked_ai (`SoupState`'s and `Recipe`'s configuration, and its layout files).
         """
         rows, starts = _parse_grid(grid)
         recipes = tuple(_recipe(order, "orders") for order in orders)
@@ -109,7 +109,7 @@ class Layout:
 
     @classmethod
     def load(cls, source: "str | Path | Layout") -> "Layout":
-        """Gives a layout from a shipped name, `<name>-mirrored`, the path of a `.layout` file, a grid's text or a Layout.
+        """Gives a layout by a shipped name, `<name>-mirrored`, the path of a `.layout` file or a grid's text.
 
         Raises:
             LayoutError: No such name or file, or the grid is not legal.
@@ -285,7 +285,9 @@ def layout_names() -> tuple[str, ...]:
     return classic + tuple(sorted(name for name in found if not name.startswith("_") and name not in classic))
 
 
-def _parse_grid(grid: str) -> tuple[tuple[str, ...], tuple[Position, ...]]:
+def _parse_grid(  # noqa: C901 (one check after the other, each with its own message)
+    grid: str,
+) -> tuple[tuple[str, ...], tuple[Position, ...]]:
     lines = [line.rstrip("\r") for line in grid.split("\n")]
     while lines and not lines[0].strip():
         lines.pop(0)

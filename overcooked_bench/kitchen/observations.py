@@ -1,7 +1,9 @@
 """Grid observations: the 26-channel lossless encoding, its 22 onion channels, and stacks of past ones.
 
-Source: overcooked_ai (`OvercookedGridworld.lossless_state_encoding`), told in kitchen-spec section 4; the 22 channels are
-those of the thesis, 4.3.2. Channel order is the reference's; arrays here are channels-first, [channel, y, x].
+The 22 channels are those of the thesis (4.3.2). Channel order is the reference's; arrays here are channels-first,
+[channel, y, x].
+
+Source: overcooked_ai (`OvercookedGridworld.lossless_state_encoding`).
 """
 
 from typing import Final
@@ -52,7 +54,7 @@ def background(layout: Layout) -> NDArray[np.uint8]:
 
 
 def paint_table() -> NDArray[np.uint8]:
-    """Gives channels 16 to 24 of a cell by its code, (64, 9) uint8; a cooking pot's remaining time is filled in later."""
+    """Gives channels 16 to 24 of a cell by its code, (64, 9) uint8, without a cooking pot's remaining time."""
     table = np.zeros((64, NUM_OBJECT_CHANNELS), np.uint8)
     column = {name: k for k, name in enumerate(CHANNELS[FIRST_OBJECT:URGENCY])}
     table[COUNTER + codes.ONION, column["onions"]] = 1

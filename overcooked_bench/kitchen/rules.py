@@ -2,7 +2,7 @@
 
 `interact` is plain Python, run once to fill a table; `step_kitchens` is the compiled step that reads it.
 
-Source: overcooked_ai 1.1.0 and 2.0.0 (`OvercookedGridworld.get_state_transition`), told in kitchen-spec sections 2 and 3.
+Source: overcooked_ai 1.1.0 and 2.0.0 (`OvercookedGridworld.get_state_transition`).
 """
 
 from typing import Final, NamedTuple
@@ -104,7 +104,7 @@ def interact(cell: int, held: int, cooking: str) -> tuple[int, int, int]:
     Returns:
         The faced cell's new code, the new item in the hands, and flags of what was done.
 
-    Source: kitchen-spec section 2b.
+    Source: overcooked_ai (`OvercookedGridworld.resolve_interacts`).
     """
     empty_handed = held == NOTHING
     if COUNTER <= cell < ONION_DISPENSER:
@@ -193,8 +193,8 @@ def count_pots(row: NDArray[np.int16], pots: NDArray[np.int16], changed: int, co
         code_before: Its code before.
 
     Returns:
-        Pots that were full (cooking, ready or idle with three ingredients), and pots that a dish is useful for (cooking,
-        ready or idle with one or two ingredients).
+        Pots that were full (cooking, ready or idle with three ingredients), and pots that a dish is useful for
+        (cooking, ready or idle with one or two ingredients).
     """
     full, wanting = 0, 0
     for p in range(pots.shape[0]):
@@ -217,14 +217,14 @@ def dish_is_useful(row: NDArray[np.int16], num_cells: int, wanting: int) -> bool
     """
     if int(row[HELD] == DISH) + int(row[HELD + 1] == DISH) >= wanting:
         return False
-    for cell in range(num_cells):
+    for cell in range(num_cells):  # noqa: SIM110 (a generator does not compile)
         if row[CELLS + cell] == COUNTER + DISH:
             return False
     return True
 
 
 @jit
-def step_kitchens(
+def step_kitchens(  # noqa: C901 (the whole step in one place, and one compiled function)
     rows: NDArray[np.int16],
     clock: NDArray[np.int64],
     image: NDArray[np.uint8],

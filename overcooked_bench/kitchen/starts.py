@@ -39,7 +39,8 @@ def stream_keys(seed: int | NDArray[np.uint64] | None, num_kitchens: int) -> NDA
             raise ValueError(f"seed has the shape {seed.shape}; give one number or an array of shape ({num_kitchens},)")
         return seed.astype(np.uint64)
     base = np.random.SeedSequence(seed).generate_state(1, np.uint64)
-    return _mixed(base + np.arange(1, num_kitchens + 1, dtype=np.uint64) * _GOLDEN)
+    keys: NDArray[np.uint64] = _mixed(base + np.arange(1, num_kitchens + 1, dtype=np.uint64) * _GOLDEN)
+    return keys
 
 
 def _mixed(z: Any) -> Any:
@@ -53,7 +54,7 @@ _mixed_one = jit(_mixed)
 
 
 @jit
-def draw(stream: NDArray[np.uint64], below: int) -> int:
+def draw(stream: NDArray[np.uint64], below: int) -> np.int64:
     """Draws a whole number from 0 to below - 1 and advances the stream, (2,) uint64 key and count."""
     stream[1] += np.uint64(1)
     bits = _mixed_one(stream[0] + stream[1] * _GOLDEN)
@@ -111,7 +112,7 @@ def start_kitchens(
             row[CELLS + cell] = fresh[cell]
         clock[i] = 0
         if random:
-            a, b = 0, 0
+            a, b = np.int64(0), np.int64(0)
             while a == b or not allowed[floor[a, 1], floor[b, 1]]:
                 a, b = draw(stream[i], num_floor), draw(stream[i], num_floor)
             row[POSITION], row[POSITION + 1] = floor[a, 0], floor[b, 0]

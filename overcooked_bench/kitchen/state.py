@@ -123,7 +123,7 @@ class KitchenState:
     bonus_orders: tuple[Recipe, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """Gives overcooked_ai's JSON form of this state (kitchen-spec section 11)."""
+        """Gives overcooked_ai's JSON form of this state."""
         return {
             "players": [
                 {
