@@ -16,6 +16,9 @@ from overcooked_bench.kitchen.layout import Layout
 SCRIPTED: Final = ("stay", "random", "onion_courier", "dish_courier", "greedy")
 """Names of the scripted agents."""
 
+BEHAVIOUR: Final = 1
+"""Version of what they do; it goes up when one acts differently, since scores against it compare no more then."""
+
 _PLANNERS: Final = ("greedy", "onion_courier", "dish_courier")  # in the order of the roles of errands.py
 _SEAT_SALT: Final = 0x5851F42D4C957F2D  # keeps two copies with the same seeds apart
 

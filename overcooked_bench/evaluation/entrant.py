@@ -74,7 +74,9 @@ def agent_maker(reference: str, mode: str) -> Callable[[str, int], Agent]:
 
 def scripted_hash(name: str) -> str:
     """Gives what stands for a scripted agent where others have a hash of their weights."""
-    return hashlib.sha256(f"scripted/{name}".encode()).hexdigest()
+    from overcooked_bench.agents.scripted import BEHAVIOUR
+
+    return hashlib.sha256(f"scripted/{name}/{BEHAVIOUR}".encode()).hexdigest()
 
 
 def is_submission(path: Path) -> bool:

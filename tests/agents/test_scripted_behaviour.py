@@ -1,0 +1,42 @@
+"""What scripted agents do is frozen: a change of behaviour must be a new `BEHAVIOUR`, and new traces here."""
+
+import hashlib
+
+import numpy as np
+import pytest
+
+from overcooked_bench import Kitchens
+from overcooked_bench.agents.scripted import BEHAVIOUR, SCRIPTED, make_scripted
+
+STEPS = 80
+TRACES = {
+    1: {
+        "stay": "1fd98e46c1205acb",
+        "random": "85b1ce4835a82bfa",
+        "onion_courier": "763f3fd2bf4a5bbd",
+        "dish_courier": "46b06d695656c5b2",
+        "greedy": "530450ac2cbf9864",
+    }
+}
+
+
+def trace(name: str) -> str:
+    """Hash of the joint actions of an agent with a copy of itself, on two layouts."""
+    digest = hashlib.sha256()
+    for layout in ("forced_coordination", "coordination_ring"):
+        kitchens = Kitchens(layout, 3, object_probability=0.3)
+        kitchens.reset(seed=5)
+        pair = [make_scripted(name, layout) for _ in range(2)]
+        for seat, agent in enumerate(pair):
+            agent.reset(layout, np.full(3, seat), np.arange(3, dtype=np.uint64))
+        for _ in range(STEPS):
+            views = kitchens.observe("lossless26")
+            joint = np.stack([agent.act(views[:, seat]) for seat, agent in enumerate(pair)], axis=1)
+            digest.update(joint.astype(np.uint8).tobytes())
+            kitchens.step(joint)
+    return digest.hexdigest()[:16]
+
+
+@pytest.mark.parametrize("name", SCRIPTED)
+def test_behaviour_is_that_of_its_version(name):
+    assert trace(name) == TRACES[BEHAVIOUR][name], "raise BEHAVIOUR in agents/scripted.py and record the new traces"
