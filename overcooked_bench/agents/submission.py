@@ -177,7 +177,8 @@ class _Imports:
 
     def _lies_here(self, module: Any) -> bool:
         """Tells whether a module is a file or a package directly in the folder (and not a submission itself)."""
-        if getattr(module, "__name__", "").startswith(_PREFIX):
+        if str(getattr(module, "__name__", "")).startswith(_PREFIX):
             return False
-        homes = [str(path) for path in getattr(module, "__path__", ())] or [getattr(module, "__file__", None) or ""]
+        told = getattr(module, "__dict__", {})  # some libraries' modules invent any attribute they are asked for
+        homes = [str(path) for path in told.get("__path__") or ()] or [str(told.get("__file__") or "")]
         return any(Path(home).parent == self._folder for home in homes)

@@ -4,7 +4,7 @@ Only the parent writes anything; results come back in any order.
 """
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing, contextmanager
 from importlib import import_module
 from importlib.util import find_spec
@@ -29,7 +29,7 @@ def default_workers() -> int:
 
 def map_tasks(
     function: Callable[[Task], Result], tasks: Sequence[Task], workers: int = 1, engine: str = "local"
-) -> Iterator[Result]:
+) -> Generator[Result]:
     """Applies a function to tasks and yields the results as they come.
 
     Args:

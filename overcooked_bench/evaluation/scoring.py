@@ -3,6 +3,7 @@
 import platform
 import time
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -177,17 +178,18 @@ def _play_all(
     to_play = [block for block in blocks if block.key not in finished]
     done, episodes = len(blocks) - len(to_play), 0
     unknown: dict[str, str] = {}
-    for outcome in map_tasks(play_block, to_play, workers, engine):
-        if outcome.fault is not None:
-            raise ScoringFault(outcome.fault)
-        layout = outcome.key[0]
-        if outcome.unknown is not None:
-            unknown[layout] = outcome.unknown
-        else:
-            store.add_block(outcome.key, outcome.episodes, outcome.adapted)
-            episodes += len(outcome.episodes)
-        done += 1
-        on_progress(Progress(layout, done, len(blocks), episodes))
+    with closing(map_tasks(play_block, to_play, workers, engine)) as outcomes:
+        for outcome in outcomes:
+            if outcome.fault is not None:
+                raise ScoringFault(outcome.fault)
+            layout = outcome.key[0]
+            if outcome.unknown is not None:
+                unknown[layout] = outcome.unknown
+            else:
+                store.add_block(outcome.key, outcome.episodes, outcome.adapted)
+                episodes += len(outcome.episodes)
+            done += 1
+            on_progress(Progress(layout, done, len(blocks), episodes))
     for layout in sorted({block.layout for block in blocks if block.key in store.blocks()} & set(unknown)):
         raise ScoringFault(f"{layout}: the agent played some blocks and not others ({unknown[layout]})")
     return set(unknown)

@@ -1,6 +1,7 @@
 """Between the batch's arrays and the readable `KitchenState`, both ways and exact."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from overcooked_bench.kitchen.codes import (
     COUNTER,
@@ -70,7 +71,6 @@ def write_state(batch: Batch, plan: Plan, layout: Layout, i: int, state: Kitchen
     Raises:
         ValueError: The state is not legal in this layout; nothing was changed then.
     """
-    cells, remaining, pots = plan.fresh.copy(), np.zeros(len(plan.pots), np.int16), plan.pots.tolist()
     for wanted, given, what in (
         (layout.orders, state.orders, "orders"),
         (layout.bonus_orders, state.bonus_orders, "bonus"),
@@ -79,6 +79,21 @@ def write_state(batch: Batch, plan: Plan, layout: Layout, i: int, state: Kitchen
             raise ValueError(
                 f"the state's {what} are {sorted(given)} (onions, tomatoes), the layout's {sorted(wanted)}"
             )
+    if not 0 <= state.timestep <= horizon:
+        raise ValueError(f"timestep {state.timestep}; the horizon is {horizon} steps")
+    cells, remaining = _place_objects(plan, layout, state)
+    position, facing, held = _place_chefs(plan, layout, state)
+    batch.cells[i], batch.remaining[i] = cells, remaining
+    batch.position[i], batch.facing[i], batch.held[i] = position, facing, held
+    batch.clock[i] = state.timestep
+
+
+def _place_objects(plan: Plan, layout: Layout, state: KitchenState) -> tuple[NDArray[np.int16], NDArray[np.int16]]:
+    """Gives the codes of all cells and the remaining steps of the pots."""
+    strange = [position for position in state.objects if not _is_cell(position)]
+    if strange:
+        raise ValueError(f"an object lies at {strange[0]!r}; positions are (x, y) of whole numbers")
+    cells, remaining, pots = plan.fresh.copy(), np.zeros(len(plan.pots), np.int16), plan.pots.tolist()
     for (x, y), thing in row_major(state.objects).items():
         where = f"{_name(thing)} at ({x}, {y})"
         tile = layout.tile((x, y)) if 0 <= x < layout.width and 0 <= y < layout.height else "outside"
@@ -95,6 +110,13 @@ def write_state(batch: Batch, plan: Plan, layout: Layout, i: int, state: Kitchen
             remaining[pots.index(cell)] = left
         else:
             raise ValueError(f"{where}: things lie on counters (X) and soups in pots (P), and this is {tile!r}")
+    return cells, remaining
+
+
+def _place_chefs(plan: Plan, layout: Layout, state: KitchenState) -> tuple[list[int], list[int], list[int]]:
+    """Gives both chefs' cells, directions and items."""
+    if len(state.chefs) != 2 or any(not _is_cell(chef.position) for chef in state.chefs):
+        raise ValueError(f"chefs are {state.chefs!r}; give two, each at (x, y) of whole numbers")
     position, facing, held = [], [], []
     for seat, chef in enumerate(state.chefs):
         x, y = chef.position
@@ -104,18 +126,17 @@ def write_state(batch: Batch, plan: Plan, layout: Layout, i: int, state: Kitchen
             raise ValueError(f"chef {seat} stands at ({x}, {y}), which is no floor")
         if chef.facing not in FACINGS:
             raise ValueError(f"chef {seat} faces {chef.facing!r}; directions are {', '.join(FACINGS)}")
+        thing = chef.holding
         position.append(cell)
         facing.append(FACINGS.index(chef.facing))
-        held.append(
-            NOTHING if chef.holding is None else _item(chef.holding, layout, f"chef {seat}'s {_name(chef.holding)}")
-        )
+        held.append(NOTHING if thing is None else _item(thing, layout, f"chef {seat}'s {_name(thing)}"))
     if position[0] == position[1]:
         raise ValueError(f"both chefs stand at {state.chefs[0].position}")
-    if not 0 <= state.timestep <= horizon:
-        raise ValueError(f"timestep {state.timestep}; the horizon is {horizon} steps")
-    batch.cells[i], batch.remaining[i] = cells, remaining
-    batch.position[i], batch.facing[i], batch.held[i] = position, facing, held
-    batch.clock[i] = state.timestep
+    return position, facing, held
+
+
+def _is_cell(position: object) -> bool:
+    return isinstance(position, tuple) and len(position) == 2 and all(isinstance(part, int) for part in position)
 
 
 def _name(thing: Thing) -> str:
@@ -125,6 +146,8 @@ def _name(thing: Thing) -> str:
 def _recipe_index(soup: Soup, where: str) -> int:
     if soup.recipe not in RECIPES[1:]:
         raise ValueError(f"{where}: a soup has one to three ingredients, (onions, tomatoes)")
+    if soup.tick < -1:
+        raise ValueError(f"{where}: tick {soup.tick}; it is -1 while idle, then 0 and up")
     return RECIPES.index(soup.recipe)
 
 

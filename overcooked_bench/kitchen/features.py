@@ -105,7 +105,8 @@ def write_features(
     """
     for i in range(rows.shape[0]):
         for v in range(seats.shape[1]):
-            viewer, other = seats[i, v], 1 - seats[i, v]
+            viewer = seats[i, v] & 1  # whatever was given, nothing outside the row is read
+            other = 1 - viewer
             for k in range(NUM_FEATURES):
                 out[i, v, k] = 0
             own_place, other_place = around[rows[i, POSITION + viewer], 0], around[rows[i, POSITION + other], 0]

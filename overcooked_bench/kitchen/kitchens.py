@@ -91,8 +91,8 @@ class Kitchens:
         self.layout = Layout.load(layout)
         self.cooking = cooking
         self.plan: Plan = compile_plan(self.layout, cooking)
-        _expect("num_kitchens", num_kitchens, num_kitchens >= 1, "a number from 1")
-        _expect("horizon", horizon, horizon >= 1, "a number of steps from 1")
+        _expect("num_kitchens", num_kitchens, _is_whole(num_kitchens) and num_kitchens >= 1, "a whole number from 1")
+        _expect("horizon", horizon, _is_whole(horizon) and horizon >= 1, "a whole number of steps from 1")
         _expect("start", start, start in STARTS, " or ".join(map(repr, STARTS)))
         _expect("object_probability", object_probability, 0 <= object_probability <= 1, "a probability")
         _expect("history", history, history in (0, HISTORY), f"0 or {HISTORY}")
@@ -100,8 +100,8 @@ class Kitchens:
             raise ValueError(
                 "start='standard', but the grid names no start cells; mark two with the digits 1 and 2, or use 'random'"
             )
-        self.num_kitchens = num_kitchens
-        self.horizon = horizon
+        self.num_kitchens = int(num_kitchens)
+        self.horizon = int(horizon)
         self.start = start
         self.object_probability = float(object_probability)
         self.autoreset = True
@@ -115,6 +115,7 @@ class Kitchens:
         self._both = np.tile(np.arange(2), (num_kitchens, 1))
         self._everyone = np.ones(num_kitchens, np.bool_)
         self._past = _Past(self.batch) if history else None
+        self._seeded = False
         self.reset()
 
     @property
@@ -129,13 +130,20 @@ class Kitchens:
             seed: Starts kitchen i's random stream anew from (seed, i) alone, never from N; an array (N,) of keys gives
                 each kitchen its own. None goes on with the streams as they are (from fresh entropy at first).
             mask: (N,) bool, the kitchens to start; all by default. Not together with a seed.
+
+        Raises:
+            ValueError: A negative seed, keys or a mask of a wrong shape or type, or both a seed and a mask.
         """
-        if seed is not None or not self.batch.stream[0, 0]:
-            if mask is not None:
-                raise ValueError("give either a seed or a mask: a seed concerns every kitchen")
+        if mask is None:
+            mask = self._everyone
+        elif seed is not None:
+            raise ValueError("give either a seed or a mask: a seed concerns every kitchen")
+        elif not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (self.num_kitchens,):
+            raise ValueError(f"mask={mask!r}; give a bool array of the shape ({self.num_kitchens},)")
+        if seed is not None or not self._seeded:
             self.batch.stream[:, 0] = stream_keys(seed, self.num_kitchens)
             self.batch.stream[:, 1] = 0
-        mask = self._everyone if mask is None else np.ascontiguousarray(mask, np.bool_)
+            self._seeded = True
         with _quiet():
             batch, plan = self.batch, self.plan
             start_kitchens(
@@ -285,7 +293,12 @@ class Kitchens:
         return (*GRID_PLANES[name], self.layout.height, self.layout.width)
 
     def state(self, i: int) -> KitchenState:
-        """Gives kitchen i in readable form."""
+        """Gives kitchen i in readable form.
+
+        Raises:
+            IndexError: There is no kitchen i.
+        """
+        self._check_index(i)
         return read_state(self.batch, self.plan, self.layout, i)
 
     def set_state(self, i: int, state: KitchenState) -> None:
@@ -294,6 +307,7 @@ class Kitchens:
         Raises:
             ValueError: The state is not legal here; names the chef or the cell. The kitchen is unchanged then.
         """
+        self._check_index(i)
         write_state(self.batch, self.plan, self.layout, i, state, self.horizon)
         plan, batch = self.plan, self.batch
         left = self.horizon - state.timestep
@@ -302,6 +316,10 @@ class Kitchens:
             mask = np.zeros(self.num_kitchens, np.bool_)
             mask[i] = True
             self._past.restart(self.batch, mask)
+
+    def _check_index(self, i: int) -> None:
+        if not 0 <= i < self.num_kitchens:
+            raise IndexError(f"kitchen {i}; there are kitchens 0 to {self.num_kitchens - 1}")
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
         """Gives copies of all arrays that the future depends on; `restore` takes them back."""
@@ -367,6 +385,10 @@ class _Past:
 def _quiet() -> AbstractContextManager[Any]:
     """Lets 64-bit counters wrap without a warning where kernels run as plain Python."""
     return np.errstate(over="ignore") if jitting.DISABLED else nullcontext()
+
+
+def _is_whole(value: object) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
 
 
 def _expect(name: str, value: object, right: bool, wanted: str) -> None:

@@ -80,12 +80,21 @@ class Layout:
         Source: overcooked_ai (`SoupState`'s and `Recipe`'s configuration, and its layout files).
         """
         rows, starts = _parse_grid(grid)
+        for key, given in (("orders", orders), ("bonus_orders", bonus_orders)):
+            if isinstance(given, str) or not isinstance(given, Sequence):
+                raise LayoutError(f"{key} is {given!r}; give a list of orders, each a list of ingredients")
+        if isinstance(order_bonus, bool) or not isinstance(order_bonus, int | float) or not order_bonus >= 0:
+            raise LayoutError(f"order_bonus is {order_bonus!r}; give a factor from 0")
         recipes = tuple(_recipe(order, "orders") for order in orders)
         bonus = tuple(_recipe(order, "bonus_orders") for order in bonus_orders)
+        if len(set(recipes)) < len(recipes):
+            raise LayoutError(f"orders names a recipe twice: {[list(order) for order in orders]}")
+        if not set(bonus) <= set(recipes or RECIPES[1:]):
+            raise LayoutError(f"bonus_orders {[list(order) for order in bonus_orders]} are not all among the orders")
         values = _per_recipe(soup_reward, recipes, DEFAULT_SOUP_REWARD, "soup_reward")
         times = _per_recipe(cook_time, recipes, DEFAULT_COOK_TIME, "cook_time")
         for recipe, time in zip(RECIPES[1:], times[1:], strict=True):
-            if time != int(time) or not 1 <= time <= LONGEST_COOK_TIME:
+            if not 1 <= time <= LONGEST_COOK_TIME or time != int(time):
                 raise LayoutError(
                     f"cook_time makes {time} steps for {recipe[0]} onions and {recipe[1]} tomatoes; "
                     f"give whole numbers from 1 to {LONGEST_COOK_TIME}"
@@ -126,7 +135,10 @@ class Layout:
                 files("overcooked_bench.kitchen.layouts").joinpath(f"{text}.layout").read_text(), text
             )
         if Path(text).is_file():
-            return cls._from_file(Path(text).read_text(), None)
+            try:
+                return cls._from_file(Path(text).read_text("utf-8"), None)
+            except UnicodeDecodeError:
+                raise LayoutError(f"{text} is not a text file; write a grid's rows") from None
         near = difflib.get_close_matches(text, layout_names(), n=1, cutoff=0.4)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise LayoutError(
@@ -142,7 +154,10 @@ class Layout:
             return cls.from_text(grid, name=name)
         import yaml
 
-        options = yaml.safe_load(menu)
+        try:
+            options = yaml.safe_load(menu)
+        except yaml.YAMLError as error:
+            raise LayoutError(f"below the line '---' stands no YAML: {error}") from None
         allowed = {"orders", "bonus_orders", "order_bonus", "soup_reward", "cook_time"}
         if not isinstance(options, dict) or not set(options) <= allowed:
             raise LayoutError(f"below the line '---' stand {options!r}; write a mapping with keys of {sorted(allowed)}")
@@ -345,12 +360,20 @@ def _per_recipe(given: Any, orders: Sequence[Recipe], default: float, key: str) 
     if isinstance(given, Mapping):
         if set(given) != {"onion", "tomato"}:
             raise LayoutError(f"{key} has the keys {sorted(given)}; give both 'onion' and 'tomato'")
+        for ingredient in ("onion", "tomato"):
+            _number(given[ingredient], f"{key}[{ingredient!r}]")
         return [given["onion"] * onions + given["tomato"] * tomatoes for onions, tomatoes in RECIPES]
     if isinstance(given, Sequence) and not isinstance(given, str):
         if len(given) != len(orders):
             raise LayoutError(f"{key} has {len(given)} numbers for {len(orders)} orders; give one for each")
+        for number in given:
+            _number(number, key)
         listed = dict(zip(orders, given, strict=True))
         return [listed.get(recipe, default) for recipe in RECIPES]
-    if isinstance(given, bool) or not isinstance(given, (int, float)):
+    return [_number(given, key)] * len(RECIPES)
+
+
+def _number(given: Any, key: str) -> float:
+    if isinstance(given, bool) or not isinstance(given, int | float) or given != given:
         raise LayoutError(f"{key} is {given!r}; give a number, {{'onion': v, 'tomato': v}}, or one number an order")
-    return [given] * len(RECIPES)
+    return given

@@ -139,7 +139,8 @@ def write_views(
                 view = out[i, v][(first + runs[run, 1]) * num_cells :]
                 for k in range(size):
                     view[k] = source[k]
-            row, own, other = rows[i], seats[i, v], 1 - seats[i, v]
+            own = seats[i, v] & 1  # whatever was given, nothing outside the row is read
+            row, other = rows[i], 1 - own
             own_cell, other_cell = row[POSITION + own], row[POSITION + other]
             view = out[i, v][first * num_cells :]
             view[own_cell] = 1
@@ -159,7 +160,7 @@ def write_chefs(
             for k in range(CHEF_CHANNELS * num_cells):
                 view[k] = 0
             for block in range(2):
-                chef = seats[i, v] if block == 0 else 1 - seats[i, v]
+                chef = (seats[i, v] + block) & 1
                 cell, plane = rows[i, POSITION + chef], 5 * block
                 view[plane * num_cells + cell] = 1
                 view[(plane + 1 + rows[i, FACING + chef]) * num_cells + cell] = 1

@@ -37,7 +37,11 @@ def stream_keys(seed: int | NDArray[np.uint64] | None, num_kitchens: int) -> NDA
     if isinstance(seed, np.ndarray):
         if seed.shape != (num_kitchens,):
             raise ValueError(f"seed has the shape {seed.shape}; give one number or an array of shape ({num_kitchens},)")
+        if seed.dtype.kind not in "iu" or (seed.dtype.kind == "i" and (seed < 0).any()):
+            raise ValueError(f"seed holds {seed.dtype} keys; give whole numbers from 0, such as a uint64 array")
         return seed.astype(np.uint64)
+    if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0):
+        raise ValueError(f"seed={seed!r}; give a whole number from 0, or an array of one key a kitchen")
     base = np.random.SeedSequence(seed).generate_state(1, np.uint64)
     keys: NDArray[np.uint64] = _mixed(base + np.arange(1, num_kitchens + 1, dtype=np.uint64) * _GOLDEN)
     return keys

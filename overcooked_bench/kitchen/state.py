@@ -153,12 +153,14 @@ class KitchenState:
             chefs = [
                 Chef(
                     _pair(player["position"]),
-                    FACINGS[DIRECTIONS.index(_pair(player["orientation"]))],
+                    _facing(player["orientation"]),
                     None if player.get("held_object") is None else _thing(player["held_object"]),
                 )
                 for player in data["players"]
             ]
             objects = {_pair(entry["position"]): _thing(entry) for entry in data["objects"]}
+            if len(objects) != len(data["objects"]):
+                raise ValueError("two objects lie on the same cell")
             orders = tuple(_dict_recipe(order) for order in data.get("all_orders") or ()) or None
             bonus = tuple(_dict_recipe(order) for order in data.get("bonus_orders") or ())
             timestep = int(data.get("timestep", 0))
@@ -179,16 +181,19 @@ def _pair(value: Any) -> Position:
     return int(x), int(y)
 
 
+def _facing(value: Any) -> str:
+    if _pair(value) not in DIRECTIONS:
+        raise ValueError(f"orientation {value!r}; directions are {', '.join(map(str, DIRECTIONS))}")
+    return FACINGS[DIRECTIONS.index(_pair(value))]
+
+
 def _thing(entry: Mapping[str, Any]) -> Thing:
     name = entry["name"]
     if name != "soup":
         if name not in ("onion", "tomato", "dish"):
             raise ValueError(f"an object is named {name!r}; names are onion, tomato, dish and soup")
         return name  # type: ignore[no-any-return]
-    names = [ingredient["name"] for ingredient in entry["_ingredients"]]
-    recipe = names.count("onion"), names.count("tomato")
-    if sum(recipe) != len(names) or not 1 <= len(names) <= MAX_INGREDIENTS:
-        raise ValueError(f"a soup of {names}; one to three of 'onion' and 'tomato' make a soup")
+    recipe = _ingredients([ingredient["name"] for ingredient in entry["_ingredients"]], "a soup")
     tick = int(entry["_cooking_tick"] if "_cooking_tick" in entry else entry["cooking_tick"])
     return Soup(recipe, tick, int(entry.get("cook_time") or -1) if tick >= 0 else -1)
 
@@ -210,9 +215,15 @@ def _thing_dict(position: Position, thing: Thing) -> dict[str, Any]:
     }
 
 
+def _ingredients(names: Any, what: str) -> Recipe:
+    recipe = list(names).count("onion"), list(names).count("tomato")
+    if sum(recipe) != len(names) or not 1 <= len(names) <= MAX_INGREDIENTS:
+        raise ValueError(f"{what} of {list(names)}; one to three of 'onion' and 'tomato' make a soup")
+    return recipe
+
+
 def _dict_recipe(order: Mapping[str, Any]) -> Recipe:
-    names = list(order["ingredients"])
-    return names.count("onion"), names.count("tomato")
+    return _ingredients(order["ingredients"], "an order")
 
 
 def _recipe_dict(recipe: Recipe) -> dict[str, Any]:

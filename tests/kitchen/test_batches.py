@@ -109,8 +109,8 @@ def test_wrong_actions_are_refused_and_nothing_is_played(actions, message):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"num_kitchens": 0}, "num_kitchens=0; give a number from 1"),
-        ({"horizon": 0}, "horizon=0; give a number of steps from 1"),
+        ({"num_kitchens": 0}, "num_kitchens=0; give a whole number from 1"),
+        ({"horizon": 0}, "horizon=0; give a whole number of steps from 1"),
         ({"start": "anywhere"}, "start='anywhere'; give 'random' or 'standard'"),
         ({"object_probability": 1.5}, "object_probability=1.5; give a probability"),
         ({"history": 2}, "history=2; give 0 or 3"),

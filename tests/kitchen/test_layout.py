@@ -37,7 +37,7 @@ def test_digits_may_be_left_out():
     assert layout.start_cells == ()
     Kitchens(layout, 1, start="random")
     with pytest.raises(
-        ValueError, match="the grid names no start cells; mark two floor cells with 1 and 2, or use 'random'"
+        ValueError, match="the grid names no start cells; mark two with the digits 1 and 2, or use 'random'"
     ):
         Kitchens(layout, 1, start="standard")
 
