@@ -57,7 +57,7 @@ def broken(change):
         (lambda d: d["players"][0].update(orientation=[1, 1]), "orientation"),
         (lambda d: d["players"].pop(), "1 players"),
         (lambda d: d.pop("players"), "players"),
-        (lambda d: d["objects"][0].update(name="leek"), "leek"),
+        (lambda d: d["objects"][0].update(name="leek"), "an object is named"),
     ],
 )
 def test_a_dict_that_is_no_state_is_told(change, message):
