@@ -4,10 +4,11 @@ Only the parent writes anything; results come back in any order.
 """
 
 import os
-from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import AbstractContextManager, ExitStack, closing, contextmanager
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from importlib import import_module
 from importlib.util import find_spec
+from itertools import islice
 from typing import Any, Final, TypeVar
 
 Task = TypeVar("Task")
@@ -28,13 +29,13 @@ def default_workers() -> int:
 
 
 def map_tasks(
-    function: Callable[[Task], Result], tasks: Sequence[Task], workers: int = 1, engine: str = "local"
-) -> Generator[Result]:
+    function: Callable[[Task], Result], tasks: Iterable[Task], workers: int = 1, engine: str = "local"
+) -> Iterator[Result]:
     """Applies a function to tasks and yields the results as they come.
 
     Args:
         function: Importable by name, and pure: it may run anywhere.
-        tasks: Small and picklable.
+        tasks: Small and picklable; read a few ahead, from a thread of this process.
         workers: Processes; one local worker is this process.
         engine: "local"; "dask" uses the cluster that DASK_SCHEDULER_ADDRESS names, or a local one; "ray" the cluster
             that RAY_ADDRESS names, or a local one.
@@ -46,24 +47,18 @@ def map_tasks(
         raise EngineError(f"no engine named {engine!r}; choose one of {', '.join(ENGINES)}")
     if workers < 1:
         raise EngineError(f"workers is {workers}; give a number from 1")
-    workers = min(workers, max(1, len(tasks)))
     if engine == "local" and workers == 1:
         yield from map(function, tasks)
         return
     import joblib
 
-    with ExitStack() as stack:
-        stack.enter_context(_backend(engine, workers))
+    with _backend(engine, workers):
+        calls = (joblib.delayed(function)(task) for task in tasks)
         if engine == "ray":  # its joblib backend has no generators: a few rounds of tasks at a time
-            size = 4 * workers
-            for first in range(0, len(tasks), size):
-                calls = [joblib.delayed(function)(task) for task in tasks[first : first + size]]
-                yield from joblib.Parallel(n_jobs=workers)(calls)
+            while some := list(islice(calls, 4 * workers)):
+                yield from joblib.Parallel(n_jobs=workers)(some)
             return
-        results = joblib.Parallel(n_jobs=workers, batch_size=1, return_as="generator_unordered")(
-            joblib.delayed(function)(task) for task in tasks
-        )
-        yield from stack.enter_context(closing(results))
+        yield from joblib.Parallel(n_jobs=workers, batch_size=1, return_as="generator_unordered")(calls)
 
 
 def _backend(engine: str, workers: int) -> AbstractContextManager[Any]:

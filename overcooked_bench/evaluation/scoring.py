@@ -3,9 +3,9 @@
 import platform
 import time
 from collections.abc import Callable, Sequence
-from contextlib import closing
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -178,18 +178,22 @@ def _play_all(
     to_play = [block for block in blocks if block.key not in finished]
     done, episodes = len(blocks) - len(to_play), 0
     unknown: dict[str, str] = {}
-    with closing(map_tasks(play_block, to_play, workers, engine)) as outcomes:
-        for outcome in outcomes:
-            if outcome.fault is not None:
-                raise ScoringFault(outcome.fault)
-            layout = outcome.key[0]
-            if outcome.unknown is not None:
-                unknown[layout] = outcome.unknown
-            else:
-                store.add_block(outcome.key, outcome.episodes, outcome.adapted)
-                episodes += len(outcome.episodes)
-            done += 1
-            on_progress(Progress(layout, done, len(blocks), episodes))
+    faults: list[str] = []
+    unstopped = takewhile(lambda _: not faults, to_play)  # after a fault, what is being played is still stored
+    for outcome in map_tasks(play_block, unstopped, min(workers, len(to_play) or 1), engine):
+        layout = outcome.key[0]
+        if outcome.fault is not None:
+            faults.append(outcome.fault)
+            continue
+        if outcome.unknown is not None:
+            unknown[layout] = outcome.unknown
+        else:
+            store.add_block(outcome.key, outcome.episodes, outcome.adapted)
+            episodes += len(outcome.episodes)
+        done += 1
+        on_progress(Progress(layout, done, len(blocks), episodes))
+    if faults:
+        raise ScoringFault(min(faults))
     for layout in sorted({block.layout for block in blocks if block.key in store.blocks()} & set(unknown)):
         raise ScoringFault(f"{layout}: the agent played some blocks and not others ({unknown[layout]})")
     return set(unknown)
