@@ -7,7 +7,7 @@ goes on where it was stopped; several may run side by side with different `--lay
 import json
 import shutil
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
@@ -19,7 +19,7 @@ from overcooked_bench.agents.policy import policy_files
 from overcooked_bench.agents.pool import write_manifest
 
 from .seeds import derive_seed
-from .self_play import METHOD, SelfPlay, mean_interval, train
+from .self_play import CONFIG_FILE, METHOD, SelfPlay, mean_interval, train
 
 POOL = "dev-v0"
 AGENTS = 4
@@ -30,6 +30,7 @@ CONFIGS = {
     "forced_coordination": SelfPlay("forced_coordination"),
     "counter_circuit": SelfPlay("counter_circuit", steps=2_800_000),
 }
+_TOLD_ELSEWHERE = ("layout", "seed", "steps", "method", "training_seed")  # in the manifest's entry itself
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ def build(runs: Path, layouts: tuple[str, ...], agents: tuple[int, ...]) -> bool
 def write(runs: Path, pool: Path) -> None:
     """Copies the finished runs' policies into the pool's folder and writes its manifest."""
     records = []
-    for layout, config in CONFIGS.items():
+    for layout in CONFIGS:
         for index in range(AGENTS):
             run, name = runs / layout / f"sp-{index}", f"sp-{index}"
             if not (run / "record.json").exists():
@@ -82,7 +83,7 @@ def write(runs: Path, pool: Path) -> None:
             (pool / layout).mkdir(parents=True, exist_ok=True)
             for source, target in zip(policy_files(run / "policy"), policy_files(pool / layout / name), strict=True):
                 shutil.copyfile(source, target)
-            training = json.loads(json.dumps(asdict(config)))
+            training = json.loads((run / CONFIG_FILE).read_text())
             records.append(
                 AgentRecord(
                     name=name,
@@ -91,9 +92,9 @@ def write(runs: Path, pool: Path) -> None:
                     seed=record["seed"],
                     namespace=POOL,
                     lineage=f"{POOL}/{layout}/{name}",
-                    training={key: value for key, value in training.items() if key not in ("layout", "seed", "steps")},
+                    training={key: value for key, value in training.items() if key not in _TOLD_ELSEWHERE},
                     steps=record["steps"],
-                    cooking=config.cooking,
+                    cooking=training["cooking"],
                     mode="sample",
                     self_play=SelfPlayReturn(**record["self_play"]),
                 )
@@ -104,6 +105,9 @@ def write(runs: Path, pool: Path) -> None:
 def main(arguments: list[str]) -> int:
     """Runs the module's command; gives the exit code."""
     given = tyro.cli(Arguments, args=arguments)
+    if unknown := sorted({*given.layouts} - {*CONFIGS}):
+        print(f"{POOL} has no agents for {', '.join(unknown)}; its layouts are {', '.join(CONFIGS)}", file=sys.stderr)
+        return 2
     if given.write:
         write(given.runs, Path(str(files("overcooked_bench.baselines").joinpath("pools", POOL))))
         return 0

@@ -101,8 +101,7 @@ class Monitor(BaseCallback):
             self._answered = True
             self._console.print("stopping and saving after this update; Ctrl-C again stops at once")
         if self.locals["dones"][0]:
-            rows = self._env.num_envs // self._env.kitchens.num_kitchens
-            self._returns.extend(info["episode_soup_reward"] for info in self.locals["infos"][::rows])
+            self._returns.extend(info["episode_soup_reward"] for info in self.locals["infos"][:: self._rows])
         return not self.stopped
 
     def _on_rollout_end(self) -> None:
@@ -111,10 +110,11 @@ class Monitor(BaseCallback):
         self.logger.record("train/joint_steps", self._done)
 
     def _on_training_end(self) -> None:
+        done = self._saved_at if self.stopped else self._done  # a stop costs one more step, which is forgotten
         if self.logger.name_to_value:  # the last update's
-            self.logger.record("train/joint_steps", self._done)
-            self.logger.dump(self.model.num_timesteps)
-        self._tell(self._done, last=True)
+            self.logger.record("train/joint_steps", done)
+            self.logger.dump(done * self._rows)
+        self._tell(done, last=True)
         self.close()
 
     @property
@@ -124,8 +124,13 @@ class Monitor(BaseCallback):
 
     @property
     def _done(self) -> int:
-        """Joint steps so far; SB3 counts each row's."""
-        return self.model.num_timesteps * self._env.kitchens.num_kitchens // self._env.num_envs
+        """Joint steps so far; SB3 counts those of every row."""
+        return self.model.num_timesteps // self._rows
+
+    @property
+    def _rows(self) -> int:
+        """Rows of the batch that a kitchen has."""
+        return self._env.num_envs // self._env.kitchens.num_kitchens
 
     def _tell(self, done: int, last: bool = False) -> None:
         now = time.monotonic()

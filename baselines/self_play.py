@@ -30,6 +30,8 @@ from .seeds import USER, derive_seed
 from .trunk import TrunkPolicy, frozen_actor, policy_kwargs
 
 METHOD = "self-play"
+CONFIG_FILE = "config.json"
+"""A run's resolved configuration, in its folder."""
 _STOPPED = 130
 
 
@@ -169,7 +171,7 @@ def train(config: SelfPlay, output: Path, seed: int, *, resume: bool = False, ev
     if resume:
         load_checkpoint(checkpoint, model, resolved)
     output.mkdir(parents=True, exist_ok=True)
-    (output / "config.json").write_text(json.dumps(resolved, indent=2) + "\n")
+    (output / CONFIG_FILE).write_text(json.dumps(resolved, indent=2) + "\n")
     faded = max(1.0, config.shaping_share * config.steps)
     monitor = Monitor(
         resolved,

@@ -77,6 +77,7 @@ def test_a_run_stopped_by_ctrl_c_goes_on_to_the_same_weights(tmp_path, whole_run
     assert stopped.returncode == 130, stopped.stderr
     assert "--resume" in stopped.stderr
     assert "Traceback" not in stopped.stderr
+    assert f"{3 * UPDATE} of {STEPS} steps" in stopped.stdout
     assert joint_steps_done(tmp_path) == 3 * UPDATE  # the rollout and its update came to an end
     assert not (tmp_path / "policy.safetensors").exists()
     assert main(tiny_arguments("--output", str(tmp_path), "--resume")) == 0
