@@ -108,8 +108,16 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
         self._seats = np.zeros(num_envs, np.int64)
         self._rows = self._first_rows.copy()  # where the ego agents' entries are among 2N
         self._joint = np.full((num_envs, 2), STAY_ACTION, np.int64)
-        self._flat_joint = self._joint.reshape(-1)
         self._rewards = np.zeros((2, num_envs, 2))
+        self._set_views()
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Makes a copy whole: what was a view of an array is one of the copied array again."""
+        self.__dict__.update(state)
+        self._set_views()
+
+    def _set_views(self) -> None:
+        self._flat_joint = self._joint.reshape(-1)
         self._soup_0, self._soup_1 = self._rewards[0].T
         self._partial = self._rewards[1].reshape(-1)
 

@@ -20,7 +20,7 @@ class Batch:
     """N kitchens of one layout; C cells, P pots.
 
     All that a step changes lies in one row of small numbers a kitchen, since every further array costs a call of a
-    compiled kernel more than the work in it; the named attributes are views into the rows.
+    compiled kernel more than the work in it; the properties are views into the rows.
 
     Attributes:
         rows: (N, 6 + C + P) int16  chefs, cells and pots
@@ -28,23 +28,39 @@ class Batch:
         image: (N, 26 * C) uint8  lossless encoding, channel by channel, with the chefs' own channels 0 to 9 left empty;
             it follows from the rest, and is kept up to date cell by cell
         stream: (N, 2) uint64  key of the kitchen's random stream, numbers drawn from it so far
-        position: (N, 2) int16  cell that each chef stands on
-        facing: (N, 2) int16  direction each chef looks
-        held: (N, 2) int16  item in each chef's hands
-        cells: (N, C) int16  code of each cell
-        remaining: (N, P) int16  steps until a cooking pot is ready, 0 for other pots
     """
 
     def __init__(self, num_kitchens: int, num_cells: int, num_pots: int) -> None:
+        self._num_cells = num_cells
         self.rows: NDArray[np.int16] = np.zeros((num_kitchens, CELLS + num_cells + num_pots), np.int16)
         self.clock: NDArray[np.int64] = np.zeros(num_kitchens, np.int64)
         self.image: NDArray[np.uint8] = np.zeros((num_kitchens, 26 * num_cells), np.uint8)
         self.stream: NDArray[np.uint64] = np.zeros((num_kitchens, 2), np.uint64)
-        self.position = self.rows[:, POSITION:FACING]
-        self.facing = self.rows[:, FACING:HELD]
-        self.held = self.rows[:, HELD:CELLS]
-        self.cells = self.rows[:, CELLS : CELLS + num_cells]
-        self.remaining = self.rows[:, CELLS + num_cells :]
+
+    @property
+    def position(self) -> NDArray[np.int16]:
+        """Cell that each chef stands on, (N, 2)."""
+        return self.rows[:, POSITION:FACING]
+
+    @property
+    def facing(self) -> NDArray[np.int16]:
+        """Direction each chef looks, (N, 2)."""
+        return self.rows[:, FACING:HELD]
+
+    @property
+    def held(self) -> NDArray[np.int16]:
+        """Item in each chef's hands, (N, 2)."""
+        return self.rows[:, HELD:CELLS]
+
+    @property
+    def cells(self) -> NDArray[np.int16]:
+        """Code of each cell, (N, C)."""
+        return self.rows[:, CELLS : CELLS + self._num_cells]
+
+    @property
+    def remaining(self) -> NDArray[np.int16]:
+        """Steps until a cooking pot is ready, 0 for other pots, (N, P)."""
+        return self.rows[:, CELLS + self._num_cells :]
 
 
 FACINGS = ("north", "south", "east", "west")
