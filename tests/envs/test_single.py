@@ -182,7 +182,7 @@ def test_gymnasium_records_the_statistics_of_an_episode():
         ({"observation": "pixels"}, "no observation named 'pixels'; choose one of lossless,"),
         ({"cooking": "raw"}, "cooking"),
         ({"start": "here"}, "start='here'; give 'random' or 'standard'"),
-        ({"horizon": 0}, "horizon=0; give a number of steps from 1"),
+        ({"horizon": 0}, "horizon=0; give a whole number of steps from 1"),
         ({"object_probability": 2}, "object_probability=2; give a probability"),
         ({"render_mode": "video"}, "render_mode='video'; give 'rgb_array', 'ansi' or None"),
         ({"render_mode": "human"}, "gymnasium.make"),
