@@ -59,7 +59,7 @@ class Peer:
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
             raise RuntimeError(f"measuring {self.name} failed:\n{done.stderr[-2000:]}")
-        told = json.loads(done.stdout)
+        told = json.loads(done.stdout.splitlines()[-1])  # the packages greet before
         self.version = told["version"]
         for kitchens, rates in told["rates"].items():
             self.rates.setdefault(int(kitchens), []).extend(rates)

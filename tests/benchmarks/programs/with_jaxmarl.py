@@ -5,13 +5,11 @@ import os
 import sys
 import time
 import warnings
-from contextlib import redirect_stdout
 from importlib.metadata import version
 
 os.environ["JAX_PLATFORMS"] = "cpu"
-with redirect_stdout(sys.stderr):
-    import jax
-    import jaxmarl
+import jax
+import jaxmarl
 
 warnings.simplefilter("ignore", DeprecationWarning)  # it recommends its second version, another game
 

@@ -1,0 +1,55 @@
+"""The tables of RESULTS.md say what was measured and whether it is enough; part of the ordinary run."""
+
+import pytest
+
+from tests.benchmarks.results import circumstances, kitchen_table, millions, start_table, write_section
+
+
+def test_a_section_is_written_between_its_markers_and_the_others_stay(tmp_path):
+    path = tmp_path / "RESULTS.md"
+    write_section("peers", "theirs\n", path)
+    write_section("speed", "old\n", path)
+    before = path.read_text()
+    write_section("speed", r"new \1" + "\n", path)
+    assert before.count("old\n") == 1
+    assert path.read_text() == before.replace("old\n", r"new \1" + "\n")
+    assert "theirs\n" in path.read_text()
+    with pytest.raises(ValueError, match=r"RESULTS\.md has no markers '<!-- memory: begin -->'"):
+        write_section("memory", "", path)
+
+
+def kitchens(what, median, best):
+    extra = {"layout": "cramped_room 5x4", "kitchens": 256, "what": what}
+    return {"extra_info": extra, "stats": {"median": median, "min": best}}
+
+
+@pytest.mark.parametrize(
+    ("microseconds", "told"),
+    [(16.0, "0.18 met, 0.25 met; 15.0 M/s met"), (20.0, "0.18 met, 0.25 **missed**; 15.0 M/s **missed**")],
+)
+def test_a_ratio_is_that_of_the_times(microseconds, told):
+    benches = [
+        kitchens("copy by numpy", 8e-6, 8e-6),
+        kitchens("compiled copy", 4e-6, 3e-6),
+        kitchens("step and observe", microseconds * 1e-6, 15e-6),
+    ]
+    row = kitchen_table(benches).splitlines()[-1]
+    assert f"| {4 / microseconds:.2f} (0.20) | {8 / microseconds:.2f} (0.53) |" in row
+    assert told in row
+
+
+def test_the_first_call_is_judged_by_its_own_time():
+    extra = {"what": "import, first reset, step and observe, warm cache", "first_call": [0.8, 0.9, 1.4]}
+    row = start_table([{"extra_info": extra, "stats": {"median": 1.5, "min": 1.2}}]).splitlines()[-1]
+    assert row.endswith("| 1.50 s (1.20) | 0.90 s (0.80) | under 1 s: met |")
+
+
+def test_rates_are_written_short():
+    assert [millions(rate) for rate in (28.44e6, 0.311e6, 12.4e3)] == ["28.4 M", "0.31 M", "12.4 k"]
+
+
+def test_the_machine_is_told_without_its_name():
+    info = {"cpu": {"brand_raw": "A CPU", "count": 2}, "node": "secret", "machine": "x86_64", "system": "Linux"}
+    info |= {"python_version": "3.11.7", "libraries": {"numpy": "2.4"}}
+    told = circumstances(info, {"id": "0123456789abcdef", "dirty": False}, "2026-11-22T01:02:03")
+    assert told == "A CPU, 2 cores, Linux; Python 3.11.7, numpy 2.4. 2026-11-22, commit 0123456789ab."
