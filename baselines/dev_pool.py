@@ -17,9 +17,10 @@ from overcooked_bench.agents.manifest import AgentRecord
 from overcooked_bench.agents.manifest import SelfPlay as SelfPlayReturn
 from overcooked_bench.agents.policy import policy_files
 from overcooked_bench.agents.pool import write_manifest
+from overcooked_bench.evaluation.statistics import t_interval
 
 from .seeds import derive_seed
-from .self_play import CONFIG_FILE, METHOD, SelfPlay, mean_interval, train
+from .self_play import CONFIG_FILE, METHOD, SelfPlay, train
 
 POOL = "dev-v0"
 AGENTS = 4
@@ -58,16 +59,11 @@ def build(runs: Path, layouts: tuple[str, ...], agents: tuple[int, ...]) -> bool
             outcome = train(config, run, seed, resume=(run / "checkpoint.pt").exists())
             if outcome is None:
                 return False
-            low, high = mean_interval(outcome.returns)
-            returns = {
-                "mean": float(outcome.returns.mean()),
-                "low": low,
-                "high": high,
-                "episodes": len(outcome.returns),
-            }
+            mean, low, high = t_interval(outcome.returns)
+            returns = {"mean": mean, "low": low, "high": high, "episodes": len(outcome.returns)}
             record = {"seed": seed, "steps": outcome.steps, "self_play": returns, "seconds": outcome.seconds}
             (run / "record.json").write_text(json.dumps(record, indent=2) + "\n")
-            print(f"{layout} sp-{index}: {returns['mean']:.1f} points in {outcome.seconds:.0f} s", flush=True)
+            print(f"{layout} sp-{index}: {mean:.1f} points in {outcome.seconds:.0f} s", flush=True)
     return True
 
 

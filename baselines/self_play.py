@@ -21,6 +21,7 @@ from overcooked_bench.agents.neural import NeuralAgent
 from overcooked_bench.agents.policy import PolicyFiles, load_policy, save_policy
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 from overcooked_bench.evaluation.play import play_episodes
+from overcooked_bench.evaluation.statistics import t_interval
 from overcooked_bench.kitchen.layout import Layout, LayoutError
 
 from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
@@ -249,21 +250,13 @@ def main(arguments: list[str]) -> int:
     if outcome is None:
         print(f"stopped, and saved in {output}; the same command with --resume goes on from there", file=sys.stderr)
         return _STOPPED
-    low, high = mean_interval(outcome.returns)
+    mean, low, high = t_interval(outcome.returns)
     print(
-        f"{outcome.files.weights}: return with itself {outcome.returns.mean():.1f} "
+        f"{outcome.files.weights}: return with itself {mean:.1f} "
         f"[{low:.1f}, {high:.1f}] points over {len(outcome.returns)} episodes, after {outcome.steps:,} joint steps "
         f"in {outcome.seconds:.0f} s"
     )
     return 0
-
-
-def mean_interval(values: np.ndarray[tuple[int], np.dtype[np.float64]], level: float = 0.95) -> tuple[float, float]:
-    """Gives the t interval of the mean of independent episodes; it says nothing about retraining."""
-    from scipy.special import stdtrit  # t quantiles; scipy.stats takes seconds to import
-
-    half = stdtrit(len(values) - 1, (1 + level) / 2) * values.std(ddof=1) / len(values) ** 0.5
-    return float(values.mean() - half), float(values.mean() + half)
 
 
 _HELP = """Trains one policy on both seats of a kitchen by PPO.

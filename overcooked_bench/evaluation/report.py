@@ -23,6 +23,7 @@ div.wide { overflow-x: auto; } table { border-collapse: collapse; font-variant-n
 th, td { padding: .25rem .8rem .25rem 0; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
 th:first-child, td:first-child, td.left, th.left { text-align: left; } tr.sum td { font-weight: 600; }
 th { font-weight: 600; font-size: .9rem; } code { font-size: .85rem; user-select: all; }
+td:has(> code), table:has(code) th:last-child { text-align: left; white-space: normal; padding-left: 1rem; }
 figure { margin: 0; background: #fff; border-radius: .4rem; } figure svg { width: 100%; height: auto; display: block; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: .1rem 1rem; font-size: .9rem; }
 dt { color: var(--dim); } dd { margin: 0; overflow-wrap: anywhere; }

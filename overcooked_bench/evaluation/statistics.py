@@ -205,9 +205,9 @@ def _seeds_for_lower_bound() -> int:
 
 
 def _t(freedom: float) -> float:
-    from scipy.stats import t
+    from scipy.special import stdtrit  # scipy.stats takes far longer to import
 
-    return float(t.ppf((1 + CONFIDENCE) / 2, freedom))
+    return float(stdtrit(freedom, (1 + CONFIDENCE) / 2))
 
 
 def _binomial_cdf(n: int, p: float) -> NDArray[Any]:

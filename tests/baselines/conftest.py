@@ -1,7 +1,7 @@
 import pytest
 import torch
-from overcooked_bench.baselines.self_play import train
 
+from overcooked_bench.baselines.self_play import train
 from tests.baselines.tiny import SEED, tiny
 
 

@@ -7,10 +7,10 @@ import sys
 
 import pytest
 import torch
-from overcooked_bench.baselines.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
-from overcooked_bench.baselines.self_play import main, make_learner, train
 from stable_baselines3 import PPO
 
+from overcooked_bench.baselines.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from overcooked_bench.baselines.self_play import main, make_learner, train
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 from tests.baselines.tiny import SEED, STEPS, UPDATE, learned, same, tiny, tiny_arguments
 

@@ -1,11 +1,11 @@
 import json
 
 import pytest
-from overcooked_bench.baselines import dev_pool
-from overcooked_bench.baselines.seeds import derive_seed
 
 from overcooked_bench import load_agent
 from overcooked_bench.agents.pool import Pool
+from overcooked_bench.baselines import dev_pool
+from overcooked_bench.baselines.seeds import derive_seed
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 from tests.baselines.test_checkpoint import press_ctrl_c
 from tests.baselines.tiny import STEPS, tiny

@@ -4,11 +4,11 @@ import re
 import numpy as np
 import pytest
 import torch
-from overcooked_bench.baselines.seeds import USER, derive_seed
-from overcooked_bench.baselines.self_play import SelfPlay, main, make_learner, mean_interval, train
 from stable_baselines3.common.callbacks import BaseCallback
 
 from overcooked_bench import load_agent, play_episodes
+from overcooked_bench.baselines.seeds import USER, derive_seed
+from overcooked_bench.baselines.self_play import SelfPlay, main, make_learner, train
 from overcooked_bench.cli import main as command
 from tests.baselines.tiny import SEED, SETTINGS, STEPS, UPDATE, learned, same, tiny, tiny_arguments
 
@@ -189,9 +189,3 @@ def test_shaping_and_entropy_fall_linearly(tmp_path, monkeypatch):
     train(tiny(shaping_share=0.5, entropy_start=0.5, entropy_end=0.25), tmp_path, SEED)
     assert shaping == pytest.approx([1, 0.6, 0.2, 0, 0])
     assert entropy == pytest.approx([0.5, 0.45, 0.4, 0.35, 0.3])
-
-
-def test_the_interval_of_a_mean():
-    low, high = mean_interval(np.array([0.0, 20.0, 40.0, 60.0]))
-    assert low == pytest.approx(30 - 3.18245 * 25.81989 / 2, abs=1e-3)
-    assert high == pytest.approx(60 - low)

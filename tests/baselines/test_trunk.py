@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 import torch
-from overcooked_bench.baselines.self_play import make_learner
-from overcooked_bench.baselines.trunk import Trunk, TrunkPolicy, frozen_actor
 
 from overcooked_bench import Kitchens
 from overcooked_bench.agents.neural import PolicyStack
 from overcooked_bench.agents.policy import load_policy, save_policy
+from overcooked_bench.baselines.self_play import make_learner
+from overcooked_bench.baselines.trunk import Trunk, TrunkPolicy, frozen_actor
 from overcooked_bench.kitchen.kitchens import GRID_PLANES
 from tests.baselines.tiny import tiny
 from tests.kitchen.strategies import joint_actions

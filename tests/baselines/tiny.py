@@ -3,6 +3,7 @@
 from typing import Any
 
 import torch
+
 from overcooked_bench.baselines.seeds import USER, derive_seed
 from overcooked_bench.baselines.self_play import METHOD, SelfPlay
 
