@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import Any
 
 _EPILOG = "Each command has its own --help with an example."
+_METHODS = ("self-play",)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -53,6 +54,7 @@ def _exit_code(error: Exception) -> int | None:
     from overcooked_bench.evaluation.scoring import ScoringFault
     from overcooked_bench.evaluation.store import StoreError
     from overcooked_bench.kitchen.layout import LayoutError
+    from overcooked_bench.rendering.replay import PaceError
 
     if isinstance(error, ScoringFault):
         return 1
@@ -65,6 +67,7 @@ def _exit_code(error: Exception) -> int | None:
         ScoresError,
         StoreError,
         LayoutError,
+        PaceError,
         OSError,
     )
     return 2 if isinstance(error, wrong_use) else None
@@ -206,18 +209,15 @@ def _add_train(commands: Any) -> None:
         "train a baseline; `overcooked-bench train METHOD --help` shows the method's own options",
         "overcooked-bench train self-play --layout cramped_room --seed 0 --output runs/self-play",
     )
-    parser.add_argument("method", metavar="METHOD", nargs="?", help="self-play")
+    parser.add_argument("method", metavar="METHOD", nargs="?", help=", ".join(_METHODS))
     parser.add_argument("options", metavar="...", nargs="*", help="passed on to the method")
 
 
 def _train(method: str, rest: list[str]) -> int:
-    from importlib.util import find_spec
-
-    name = f"overcooked_bench.baselines.{method.replace('-', '_')}"
-    if not method.replace("-", "").isalpha() or find_spec(name) is None:
-        print(f"overcooked-bench: no training method named {method!r}; there is self-play", file=sys.stderr)
+    if method not in _METHODS:
+        print(f"overcooked-bench: no training method named {method!r}; there is {', '.join(_METHODS)}", file=sys.stderr)
         return 2
-    run: Callable[[list[str]], int] = import_module(name).main
+    run: Callable[[list[str]], int] = import_module(f"overcooked_bench.baselines.{method.replace('-', '_')}").main
     return run(rest)
 
 
@@ -253,7 +253,10 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def _names(text: str) -> list[str]:
-    return [name.strip() for name in text.split(",") if name.strip()]
+    names = [name.strip() for name in text.split(",") if name.strip()]
+    if not names:
+        raise argparse.ArgumentTypeError("no name given; write one or more, separated by commas")
+    return names
 
 
 def _console() -> Any:

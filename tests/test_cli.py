@@ -56,6 +56,11 @@ def test_replay_shows_and_writes(scored, home):
     done = run("replay", "scores/mine-tiny", "--worst", "--gif", "worst.gif", "--every", "4", folder=home)
     assert (done.returncode, done.stderr) == (0, "")
     assert (home / "worst.gif").read_bytes().startswith(b"GIF89a")
+    for pace, words in (("--fps", "fps=0.0"), ("--every", "every=0")):
+        done = run("replay", "scores/mine-tiny", pace, "0", folder=home)
+        assert (done.returncode, done.stdout.count("\n")) == (2, 1)
+        assert words in done.stderr
+        assert "Traceback" not in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -69,6 +74,8 @@ def test_replay_shows_and_writes(scored, home):
         (["score", "greedy", "--engine", "abacus"], 2, "no engine named 'abacus'"),
         (["score", "greedy", "--workers", "0"], 2, "workers is 0"),
         (["replay", "nowhere"], 2, "no such file"),
+        (["score", "greedy", "--layouts", ","], 2, "no name given"),
+        (["train", "seeds"], 2, "no training method named 'seeds'; there is self-play"),
         (["train", "by-magic"], 2, "no training method named 'by-magic'"),
         (["dance"], 2, "invalid choice: 'dance'"),
     ],
@@ -118,7 +125,6 @@ def test_train_passes_everything_on(monkeypatch):
 
     given = []
     method = types.SimpleNamespace(main=lambda arguments: given.append(arguments) or 3)
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: name)
     monkeypatch.setattr(cli, "import_module", lambda name: method if name.endswith("baselines.self_play") else None)
     assert cli.main(["train", "self-play", "--layout", "cramped_room", "--help"]) == 3
     assert given == [["--layout", "cramped_room", "--help"]]

@@ -22,6 +22,11 @@ from overcooked_bench.rendering.text import TILE_WIDTH, film
 Frame = tuple[KitchenState, float]
 """A state, and the points (soup reward of both chefs) earned until then."""
 
+
+class PaceError(ValueError):
+    """An episode cannot be shown at this pace; the message says what to give."""
+
+
 _UP_AND_CLEAR = "\x1b[{}F\x1b[J"
 
 
@@ -93,7 +98,8 @@ def save_gif(
         The path.
 
     Raises:
-        ValueError: No frames, or `every` or `fps` below what makes sense.
+        PaceError: `every` or `fps` out of range.
+        ValueError: No frames.
     """
     _expect_pace(every, fps)
     pictures = (
@@ -126,7 +132,8 @@ def save_poster_gif(
         The path.
 
     Raises:
-        ValueError: No kitchens or no frames, or `every` or `fps` below what makes sense.
+        PaceError: `every` or `fps` out of range.
+        ValueError: No kitchens or no frames.
     """
     _expect_pace(every, fps)
     layouts = [layout for layout, _ in kitchens]
@@ -166,7 +173,8 @@ def play_in_terminal(
         The points at the end.
 
     Raises:
-        ValueError: No frames, or `every` or `fps` below what makes sense.
+        PaceError: `every` or `fps` out of range.
+        ValueError: No frames.
     """
     _expect_pace(every, fps)
     out = sys.stdout if out is None else out
@@ -212,6 +220,6 @@ def thinned(frames: Iterable[Any], every: int) -> Iterator[Any]:
 
 def _expect_pace(every: int, fps: float) -> None:
     if every < 1:
-        raise ValueError(f"every={every!r}; give 1 for each frame, 2 for every second one, ...")
+        raise PaceError(f"every={every!r}; give 1 for each frame, 2 for every second one, ...")
     if not 0 < fps <= 50:
-        raise ValueError(f"fps={fps!r}; give frames a second, at most 50")
+        raise PaceError(f"fps={fps!r}; give frames a second, at most 50")
