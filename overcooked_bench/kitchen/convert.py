@@ -88,12 +88,12 @@ def write_state(batch: Batch, plan: Plan, layout: Layout, i: int, state: Kitchen
     batch.clock[i] = state.timestep
 
 
-def _place_objects(plan: Plan, layout: Layout, state: KitchenState) -> tuple[NDArray[np.int16], NDArray[np.int16]]:
+def _place_objects(plan: Plan, layout: Layout, state: KitchenState) -> tuple[NDArray[np.uint16], NDArray[np.uint16]]:
     """Gives the codes of all cells and the remaining steps of the pots."""
     strange = [position for position in state.objects if not _is_cell(position)]
     if strange:
         raise ValueError(f"an object lies at {strange[0]!r}; positions are (x, y) of whole numbers")
-    cells, remaining, pots = plan.fresh.copy(), np.zeros(len(plan.pots), np.int16), plan.pots.tolist()
+    cells, remaining, pots = plan.fresh.copy(), np.zeros(len(plan.pots), np.uint16), plan.pots.tolist()
     for (x, y), thing in row_major(state.objects).items():
         where = f"{_name(thing)} at ({x}, {y})"
         tile = layout.tile((x, y)) if 0 <= x < layout.width and 0 <= y < layout.height else "outside"

@@ -88,8 +88,8 @@ def _actions_to(plan: Plan, goal: int) -> NDArray[np.int64]:
 
 @jit
 def write_features(
-    rows: NDArray[np.int16],
-    pots: NDArray[np.int16],
+    rows: NDArray[np.uint16],
+    pots: NDArray[np.uint16],
     around: NDArray[np.int16],
     seats: NDArray[np.int64],
     out: NDArray[np.float32],
@@ -97,8 +97,8 @@ def write_features(
     """Writes chefs' features in N kitchens.
 
     Args:
-        rows: (N, ...) int16, see `Batch`.
-        pots: (P,) int16, see `Plan`.
+        rows: (N, ...) uint16, see `Batch`.
+        pots: (P,) uint16, see `Plan`.
         around: (C, 4, 20) int16, from `measure`.
         seats: (N, V) int64, whose features are wanted.
         out: (N, V, 96) float32, written.
@@ -120,8 +120,8 @@ def write_features(
 
 @jit
 def _write_block(
-    row: NDArray[np.int16],
-    pots: NDArray[np.int16],
+    row: NDArray[np.uint16],
+    pots: NDArray[np.uint16],
     around: NDArray[np.int16],
     chef: int,
     out: NDArray[np.float32],

@@ -23,7 +23,7 @@ from overcooked_bench.kitchen.observations import (
     write_views,
 )
 from overcooked_bench.kitchen.rules import Plan, compile_plan, step_kitchens
-from overcooked_bench.kitchen.starts import STARTS, start_kitchens, stream_keys
+from overcooked_bench.kitchen.starts import STARTS, fill_kitchens, start_kitchens, stream_keys
 from overcooked_bench.kitchen.state import Batch, KitchenState
 
 HISTORY: Final = 3
@@ -109,7 +109,6 @@ class Kitchens:
         self._around: NDArray[np.int16] | None = None
         self._frames: dict[str, _Frame] = {}
         self._events = events
-        self._no_events = np.zeros((num_kitchens, 0, len(EVENTS)), np.bool_)
         plan = self.plan
         self._tables = (plan.ways, plan.outcomes, plan.by_code, plan.payments, plan.pots)
         self._both = np.tile(np.arange(2), (num_kitchens, 1))
@@ -148,9 +147,13 @@ class Kitchens:
             batch, plan = self.batch, self.plan
             start_kitchens(
                 *(batch.rows, batch.clock, batch.image, batch.stream, mask, plan.fresh, plan.floor, plan.allowed),
-                *(plan.standard, plan.orders, plan.pots, plan.by_code, plan.background),
-                *(self.horizon, self.start == "random", self.object_probability),
+                *(plan.standard, plan.pots, plan.by_code, plan.background, self.horizon, self.start == "random"),
             )
+            if self.object_probability > 0:
+                fill_kitchens(
+                    *(batch.rows, batch.image, batch.stream, mask, plan.orders, plan.pots, plan.by_code),
+                    *(plan.background, self.horizon, self.object_probability),
+                )
         if self._past:
             self._past.restart(self.batch, mask)
 
@@ -176,7 +179,7 @@ class Kitchens:
         if joint.dtype != np.int64 or not joint.flags.c_contiguous:
             joint = np.ascontiguousarray(joint, np.int64)
         rewards, truncated = np.empty((2, n, 2)), np.empty(n, np.bool_)
-        events = np.zeros((n, 2, len(EVENTS)), np.bool_) if self._events else self._no_events
+        events = np.zeros((n, 2, len(EVENTS)), np.bool_) if self._events else None
         self.play(joint, rewards, truncated, events)
         return StepResult(rewards[0], rewards[1], truncated, events if self._events else None)
 
@@ -202,8 +205,6 @@ class Kitchens:
             ValueError: Actions out of range, or a kitchen that is over; nothing was played then.
         """
         batch = self.batch
-        if events is None:
-            events = self._no_events
         if self._past:
             self._past.remember(batch)
         fault, over = step_kitchens(
@@ -378,7 +379,7 @@ class _Past:
         for rows, image in self._ring:
             rows[mask], image[mask] = batch.rows[mask], batch.image[mask]
 
-    def newest_first(self) -> list[tuple[NDArray[np.int16], NDArray[np.uint8]]]:
+    def newest_first(self) -> list[tuple[NDArray[np.uint16], NDArray[np.uint8]]]:
         return [self._ring[self._next - age] for age in range(1, HISTORY + 1)]
 
 

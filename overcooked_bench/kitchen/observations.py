@@ -34,6 +34,7 @@ PAST_CHANNELS: Final = (0, 2, 3, 4, 5, 1, 6, 7, 8, 9)
 
 FIRST_TILE: Final = CHANNELS.index("pots")
 FIRST_OBJECT: Final = CHANNELS.index("onions_in_pot")
+FIRST_CARRIED: Final = CHANNELS.index("onions_in_soup")
 REMAINING: Final = CHANNELS.index("cook_time_remaining")
 URGENCY: Final = CHANNELS.index("urgency")
 NUM_OBJECT_CHANNELS: Final = URGENCY - FIRST_OBJECT
@@ -73,11 +74,20 @@ def paint_cell(
     picture: NDArray[np.uint8], num_cells: int, cell: int, code: int, remaining: int, by_code: NDArray[np.uint8]
 ) -> None:
     """Draws what lies in one cell into a kitchen's image, (26 * C,) uint8; `by_code` as in `Plan`."""
-    at = FIRST_OBJECT * num_cells + cell
+    at, plane = np.uint64(FIRST_OBJECT * num_cells + cell), np.uint64(num_cells)  # unsigned: no index counts backwards
     for k in range(NUM_OBJECT_CHANNELS):
         picture[at] = by_code[code, k]
-        at += num_cells
-    picture[REMAINING * num_cells + cell] = remaining
+        at += plane
+    picture[np.uint64(REMAINING * num_cells + cell)] = remaining
+
+
+@jit
+def paint_hand(picture: NDArray[np.uint8], num_cells: int, cell: int, item: int, by_code: NDArray[np.uint8]) -> None:
+    """Draws what a chef on a floor cell holds, NOTHING included; as `paint_cell` without the channels of pots."""
+    at, plane = np.uint64(FIRST_CARRIED * num_cells + cell), np.uint64(num_cells)
+    for k in range(FIRST_CARRIED - FIRST_OBJECT, NUM_OBJECT_CHANNELS):
+        picture[at] = by_code[COUNTER + item, k]
+        at += plane
 
 
 @jit
@@ -90,11 +100,11 @@ def paint_urgency(picture: NDArray[np.uint8], num_cells: int) -> None:
 @jit
 def paint_kitchen(
     picture: NDArray[np.uint8],
-    row: NDArray[np.int16],
+    row: NDArray[np.uint16],
     steps_left: int,
     background: NDArray[np.uint8],
     by_code: NDArray[np.uint8],
-    pots: NDArray[np.int16],
+    pots: NDArray[np.uint16],
 ) -> None:
     """Draws a whole kitchen's image, (26 * C,) uint8, anew; `row` as in `Batch`, tables as in `Plan`."""
     num_cells = background.shape[0] // NUM_CHANNELS
@@ -113,7 +123,7 @@ def paint_kitchen(
 
 @jit
 def write_views(
-    rows: NDArray[np.int16],
+    rows: NDArray[np.uint16],
     image: NDArray[np.uint8],
     runs: NDArray[np.int64],
     seats: NDArray[np.int64],
@@ -123,7 +133,7 @@ def write_views(
     """Copies whole planes of N kitchens to the chefs' views and marks the chefs.
 
     Args:
-        rows: (N, ...) int16, see `Batch`.
+        rows: (N, ...) uint16, see `Batch`.
         image: (N, 26 * C) uint8.
         runs: (R, 3) int64, runs of planes to copy: first plane of the image, first plane of the view, how many.
         seats: (N, V) int64, whose views are wanted.
@@ -151,7 +161,7 @@ def write_views(
 
 @jit
 def write_chefs(
-    rows: NDArray[np.int16], num_cells: int, seats: NDArray[np.int64], out: NDArray[np.uint8], first: int
+    rows: NDArray[np.uint16], num_cells: int, seats: NDArray[np.int64], out: NDArray[np.uint8], first: int
 ) -> None:
     """Writes the ten planes `PAST_CHANNELS` of N kitchens from plane `first` on; otherwise as `write_views`."""
     for i in range(rows.shape[0]):

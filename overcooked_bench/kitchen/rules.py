@@ -36,7 +36,14 @@ from overcooked_bench.kitchen.codes import (
 from overcooked_bench.kitchen.events import best_reachable, record_interaction
 from overcooked_bench.kitchen.jit import jit
 from overcooked_bench.kitchen.layout import Layout
-from overcooked_bench.kitchen.observations import URGENT_STEPS, background, paint_cell, paint_table, paint_urgency
+from overcooked_bench.kitchen.observations import (
+    URGENT_STEPS,
+    background,
+    paint_cell,
+    paint_hand,
+    paint_table,
+    paint_urgency,
+)
 from overcooked_bench.kitchen.state import CELLS, FACING, HELD, POSITION
 
 COOKING_MODES: Final = ("auto", "manual")
@@ -67,29 +74,29 @@ class Plan(NamedTuple):
     """A layout and a cooking mode compiled to tables. C cells in row-major order, P pots, F floor cells, K orders.
 
     Attributes:
-        ways: (C, 10) int16  for a floor cell: the cell ahead by facing (4), the wanted cell by action (6)
-        outcomes: (64, 16) int16  by faced cell code and held item: new cell code, new held item and what was done
+        ways: (C, 10) uint16  for a floor cell: the cell ahead by facing (4), the wanted cell by action (6)
+        outcomes: (64, 16) uint16  by faced cell code and held item: new cell code, new held item and what was done
         by_code: (64, 11) uint8  by cell code: channels 16 to 24, whether a pot starts by itself, its cook time
         payments: (2, 16) float64  points for serving a held item; best payment reachable from a pot's recipe index
-        pots: (P,) int16  cells
-        fresh: (C,) int16  cell codes of the empty kitchen
-        floor: (F, 2) int16  cell and region of each floor cell
+        pots: (P,) uint16  cells
+        fresh: (C,) uint16  cell codes of the empty kitchen
+        floor: (F, 2) uint16  cell and region of each floor cell
         allowed: (R, R) bool  whether a random start may put chef 0 in one region and chef 1 in the other
-        standard: (2,) int16  standard start cells, -1 where the layout names none
-        orders: (K, 3) int16  recipe index, onions and tomatoes of the orders
+        standard: (2,) uint16  standard start cells, zeros where the layout names none
+        orders: (K, 3) uint16  recipe index, onions and tomatoes of the orders
         background: (26 * C,) uint8  lossless encoding of the empty kitchen without chefs
     """
 
-    ways: NDArray[np.int16]
-    outcomes: NDArray[np.int16]
+    ways: NDArray[np.uint16]
+    outcomes: NDArray[np.uint16]
     by_code: NDArray[np.uint8]
     payments: NDArray[np.float64]
-    pots: NDArray[np.int16]
-    fresh: NDArray[np.int16]
-    floor: NDArray[np.int16]
+    pots: NDArray[np.uint16]
+    fresh: NDArray[np.uint16]
+    floor: NDArray[np.uint16]
     allowed: NDArray[np.bool_]
-    standard: NDArray[np.int16]
-    orders: NDArray[np.int16]
+    standard: NDArray[np.uint16]
+    orders: NDArray[np.uint16]
     background: NDArray[np.uint8]
 
 
@@ -140,8 +147,8 @@ def compile_plan(layout: Layout, cooking: str) -> Plan:
             "(onions, tomatoes), can never be cooked; use cooking='manual' or orders of three"
         )
     width, cells = layout.width, layout.width * layout.height
-    fresh = np.array([codes.TILES[tile] for row in layout.rows for tile in row], np.int16)
-    ways = np.zeros((cells, 10), np.int16)
+    fresh = np.array([codes.TILES[tile] for row in layout.rows for tile in row], np.uint16)
+    ways = np.zeros((cells, 10), np.uint16)
     for x, y in layout.positions(" "):
         cell = y * width + x
         ways[cell, WANTED:] = cell
@@ -150,7 +157,7 @@ def compile_plan(layout: Layout, cooking: str) -> Plan:
             ways[cell, AHEAD + direction] = ahead
             if fresh[ahead] == FLOOR:
                 ways[cell, WANTED + direction] = ahead
-    outcomes = np.zeros((1 << _CELL_BITS, 1 << _ITEM_BITS), np.int16)
+    outcomes = np.zeros((1 << _CELL_BITS, 1 << _ITEM_BITS), np.uint16)
     for cell in range(NUM_CELL_CODES):
         for held in range(NUM_ITEMS):
             new_cell, new_held, done = interact(cell, held, cooking)
@@ -172,23 +179,23 @@ def compile_plan(layout: Layout, cooking: str) -> Plan:
         outcomes=outcomes,
         by_code=by_code,
         payments=payments,
-        pots=np.flatnonzero(fresh >= POT_IDLE).astype(np.int16),
+        pots=np.flatnonzero(fresh >= POT_IDLE).astype(np.uint16),
         fresh=fresh,
-        floor=np.array([(y * width + x, region) for (x, y), region in layout.regions.items()], np.int16),
+        floor=np.array([(y * width + x, region) for (x, y), region in layout.regions.items()], np.uint16),
         allowed=allowed,
-        standard=np.array([y * width + x for x, y in layout.start_cells] or [-1, -1], np.int16),
-        orders=np.array([(RECIPES.index(order), *order) for order in layout.orders], np.int16),
+        standard=np.array([y * width + x for x, y in layout.start_cells] or [0, 0], np.uint16),
+        orders=np.array([(RECIPES.index(order), *order) for order in layout.orders], np.uint16),
         background=background(layout),
     )
 
 
 @jit
-def count_pots(row: NDArray[np.int16], pots: NDArray[np.int16], changed: int, code_before: int) -> tuple[int, int]:
+def count_pots(row: NDArray[np.uint16], pots: NDArray[np.uint16], changed: int, code_before: int) -> tuple[int, int]:
     """Counts the pots as they were when the step began.
 
     Args:
         row: The kitchen as it is now.
-        pots: (P,) int16.
+        pots: (P,) uint16.
         changed: Cell that the other chef has just changed in this step, -1 for none.
         code_before: Its code before.
 
@@ -210,7 +217,7 @@ def count_pots(row: NDArray[np.int16], pots: NDArray[np.int16], changed: int, co
 
 
 @jit
-def dish_is_useful(row: NDArray[np.int16], num_cells: int, wanting: int) -> bool:
+def dish_is_useful(row: NDArray[np.uint16], num_cells: int, wanting: int) -> bool:
     """Tells whether taking a dish is rewarded: none on a counter, fewer in hands than pots that want one.
 
     Source: overcooked_ai (`is_dish_pickup_useful`); counters and hands are read live, pots at the start of the step.
@@ -225,19 +232,19 @@ def dish_is_useful(row: NDArray[np.int16], num_cells: int, wanting: int) -> bool
 
 @jit
 def step_kitchens(  # noqa: C901 (the whole step in one place, and one compiled function)
-    rows: NDArray[np.int16],
+    rows: NDArray[np.uint16],
     clock: NDArray[np.int64],
     image: NDArray[np.uint8],
-    ways: NDArray[np.int16],
-    outcomes: NDArray[np.int16],
+    ways: NDArray[np.uint16],
+    outcomes: NDArray[np.uint16],
     by_code: NDArray[np.uint8],
     payments: NDArray[np.float64],
-    pots: NDArray[np.int16],
+    pots: NDArray[np.uint16],
     horizon: int,
     actions: NDArray[np.int64],
     rewards: NDArray[np.float64],
     truncated: NDArray[np.bool_],
-    events: NDArray[np.bool_],
+    events: NDArray[np.bool_] | None,
 ) -> tuple[int, int]:
     """Plays one joint action in each of N kitchens: chef 0 interacts, then chef 1, both move, then the pots cook.
 
@@ -254,7 +261,7 @@ def step_kitchens(  # noqa: C901 (the whole step in one place, and one compiled 
         actions: (N, 2) ints.
         rewards: (2, N, 2) float64, written: [0] points of each chef's delivery, [1] each chef's partial rewards.
         truncated: (N,) bool, written.
-        events: (N, 2, 25) bool of zeros, written; (N, 0, 25) where they are not wanted.
+        events: (N, 2, 25) bool of zeros, written; None where they are not wanted, which compiles to less.
 
     Returns:
         The first kitchen that cannot be stepped, or -1, and how many kitchens are over now. Where one cannot be
@@ -267,19 +274,19 @@ def step_kitchens(  # noqa: C901 (the whole step in one place, and one compiled 
     num_cells, num_pots, over = ways.shape[0], pots.shape[0], 0
     for i in range(rows.shape[0]):
         row, picture = rows[i], image[i]
-        held_0, held_1 = row[HELD], row[HELD + 1]
         changed, code_before = -1, 0
         for chef in range(2):
             rewards[0, i, chef] = 0.0
             rewards[1, i, chef] = 0.0
-            if actions[i, chef] != INTERACT:
-                continue
             ahead = ways[row[POSITION + chef], AHEAD + row[FACING + chef]]
             code, item = row[CELLS + ahead], row[HELD + chef]
             outcome = outcomes[code, item]
+            # One rare branch for "interacts, and something happens": a wrong guess costs more than the work.
+            if not ((actions[i, chef] == INTERACT) & (outcome != code | item << _CELL_BITS)):
+                continue
             new_code, new_item = outcome & _CELL_MASK, (outcome >> _CELL_BITS) & _ITEM_MASK
             done = outcome >> (_CELL_BITS + _ITEM_BITS)
-            if events.shape[1] > 0 and outcome != code | item << _CELL_BITS:
+            if events is not None:
                 full, wanting = count_pots(row, pots, changed, code_before)
                 useful = new_item == DISH and dish_is_useful(row, num_cells, wanting)
                 record_interaction(
@@ -306,7 +313,7 @@ def step_kitchens(  # noqa: C901 (the whole step in one place, and one compiled 
                 paint_cell(picture, num_cells, ahead, new_code, 0, by_code)
                 if chef == 0:
                     changed, code_before = ahead, code
-        _move(row, picture, num_cells, ways, by_code, actions[i, 0], actions[i, 1], held_0, held_1)
+        _move(row, picture, num_cells, ways, by_code, actions[i, 0], actions[i, 1])
         for p in range(num_pots):
             code = row[CELLS + pots[p]]
             if by_code[code, STARTS_ITSELF]:
@@ -332,34 +339,24 @@ def step_kitchens(  # noqa: C901 (the whole step in one place, and one compiled 
 
 @jit
 def _move(
-    row: NDArray[np.int16],
+    row: NDArray[np.uint16],
     picture: NDArray[np.uint8],
     num_cells: int,
-    ways: NDArray[np.int16],
+    ways: NDArray[np.uint16],
     by_code: NDArray[np.uint8],
     action_0: int,
     action_1: int,
-    held_0: int,
-    held_1: int,
 ) -> None:
-    """Moves both chefs at once; a collision or a swap keeps both where they are, but everybody turns.
-
-    `held_0` and `held_1` are what was in the hands before this step, still drawn where the chefs stood.
-    """
+    """Moves both chefs at once; a collision or a swap keeps both where they are, but everybody turns."""
     old_0, old_1 = row[POSITION], row[POSITION + 1]
     new_0, new_1 = ways[old_0, WANTED + action_0], ways[old_1, WANTED + action_1]
-    if new_0 == new_1 or (new_0 == old_1 and new_1 == old_0):
-        new_0, new_1 = old_0, old_1
-    row[POSITION], row[POSITION + 1] = new_0, new_1
-    if action_0 < STAY:
-        row[FACING] = action_0
-    if action_1 < STAY:
-        row[FACING + 1] = action_1
-    if held_0 != NOTHING:
-        paint_cell(picture, num_cells, old_0, FLOOR, 0, by_code)
-    if held_1 != NOTHING:
-        paint_cell(picture, num_cells, old_1, FLOOR, 0, by_code)
-    if row[HELD] != NOTHING:
-        paint_cell(picture, num_cells, new_0, COUNTER + row[HELD], 0, by_code)
-    if row[HELD + 1] != NOTHING:
-        paint_cell(picture, num_cells, new_1, COUNTER + row[HELD + 1], 0, by_code)
+    # Choices between two values, not branches: what chefs do cannot be guessed.
+    blocked = (new_0 == new_1) | ((new_0 == old_1) & (new_1 == old_0))
+    row[POSITION] = old_0 if blocked else new_0
+    row[POSITION + 1] = old_1 if blocked else new_1
+    row[FACING] = action_0 if action_0 < STAY else row[FACING]
+    row[FACING + 1] = action_1 if action_1 < STAY else row[FACING + 1]
+    paint_hand(picture, num_cells, old_0, NOTHING, by_code)
+    paint_hand(picture, num_cells, old_1, NOTHING, by_code)
+    paint_hand(picture, num_cells, row[POSITION], row[HELD], by_code)
+    paint_hand(picture, num_cells, row[POSITION + 1], row[HELD + 1], by_code)

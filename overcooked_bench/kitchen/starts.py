@@ -67,24 +67,22 @@ def draw(stream: NDArray[np.uint64], below: int) -> np.int64:
 
 @jit
 def start_kitchens(
-    rows: NDArray[np.int16],
+    rows: NDArray[np.uint16],
     clock: NDArray[np.int64],
     image: NDArray[np.uint8],
     stream: NDArray[np.uint64],
     mask: NDArray[np.bool_],
-    fresh: NDArray[np.int16],
-    floor: NDArray[np.int16],
+    fresh: NDArray[np.uint16],
+    floor: NDArray[np.uint16],
     allowed: NDArray[np.bool_],
-    standard: NDArray[np.int16],
-    orders: NDArray[np.int16],
-    pots: NDArray[np.int16],
+    standard: NDArray[np.uint16],
+    pots: NDArray[np.uint16],
     by_code: NDArray[np.uint8],
     background: NDArray[np.uint8],
     horizon: int,
     random: bool,
-    object_probability: float,
 ) -> None:
-    """Puts the kitchens of a mask into start states; chefs look north.
+    """Puts the kitchens of a mask into start states, with empty pots and hands; chefs look north.
 
     Args:
         rows: The batch, changed in place, with `clock`, `image` and `stream`; see `Batch`.
@@ -92,18 +90,16 @@ def start_kitchens(
         image: See `Batch`.
         stream: See `Batch`.
         mask: (N,) bool.
-        fresh: The layout's tables, see `Plan`, with the seven that follow.
+        fresh: The layout's tables, see `Plan`, with the six that follow.
         floor: See `Plan`.
         allowed: See `Plan`.
         standard: See `Plan`.
-        orders: See `Plan`.
         pots: See `Plan`.
         by_code: See `Plan`.
         background: See `Plan`.
         horizon: Steps of an episode, for the urgency plane.
         random: Whether the start cells are drawn: uniform over the ordered pairs of distinct floor cells whose regions
             `Layout.start_regions` allows.
-        object_probability: Chance of each pot and each pair of hands to be filled from the orders.
     """
     num_floor = floor.shape[0]
     for i in range(mask.shape[0]):
@@ -122,19 +118,53 @@ def start_kitchens(
             row[POSITION], row[POSITION + 1] = floor[a, 0], floor[b, 0]
         else:
             row[POSITION], row[POSITION + 1] = standard[0], standard[1]
-        if object_probability > 0:
-            _fill(row, stream[i], int(object_probability * 2**31), fresh.shape[0], orders, pots, by_code)
         paint_kitchen(image[i], row, horizon, background, by_code, pots)
 
 
 @jit
+def fill_kitchens(
+    rows: NDArray[np.uint16],
+    image: NDArray[np.uint8],
+    stream: NDArray[np.uint64],
+    mask: NDArray[np.bool_],
+    orders: NDArray[np.uint16],
+    pots: NDArray[np.uint16],
+    by_code: NDArray[np.uint8],
+    background: NDArray[np.uint8],
+    horizon: int,
+    object_probability: float,
+) -> None:
+    """Fills pots and hands of freshly started kitchens; arguments as for `start_kitchens`.
+
+    It stands apart since most kitchens start empty, and need not wait for it to be compiled.
+
+    Args:
+        rows: See `Batch`, like `image` and `stream`; changed in place.
+        image: See `Batch`.
+        stream: See `Batch`.
+        mask: (N,) bool.
+        orders: See `Plan`, like the three that follow.
+        pots: See `Plan`.
+        by_code: See `Plan`.
+        background: See `Plan`.
+        horizon: Steps of an episode.
+        object_probability: Chance of each pot and each pair of hands to be filled from the orders.
+    """
+    threshold, num_cells = int(object_probability * 2**31), rows.shape[1] - CELLS - pots.shape[0]
+    for i in range(mask.shape[0]):
+        if mask[i]:
+            _fill(rows[i], stream[i], threshold, num_cells, orders, pots, by_code)
+            paint_kitchen(image[i], rows[i], horizon, background, by_code, pots)
+
+
+@jit
 def _fill(
-    row: NDArray[np.int16],
+    row: NDArray[np.uint16],
     stream: NDArray[np.uint64],
     threshold: int,
     num_cells: int,
-    orders: NDArray[np.int16],
-    pots: NDArray[np.int16],
+    orders: NDArray[np.uint16],
+    pots: NDArray[np.uint16],
     by_code: NDArray[np.uint8],
 ) -> None:
     """Fills pots and hands with what the orders use.

@@ -23,7 +23,7 @@ class Batch:
     compiled kernel more than the work in it; the properties are views into the rows.
 
     Attributes:
-        rows: (N, 6 + C + P) int16  chefs, cells and pots
+        rows: (N, 6 + C + P) uint16  chefs, cells and pots
         clock: (N,) int64  steps since the start
         image: (N, 26 * C) uint8  lossless encoding, channel by channel, with the chefs' own channels 0 to 9 left empty;
             it follows from the rest, and is kept up to date cell by cell
@@ -32,33 +32,33 @@ class Batch:
 
     def __init__(self, num_kitchens: int, num_cells: int, num_pots: int) -> None:
         self._num_cells = num_cells
-        self.rows: NDArray[np.int16] = np.zeros((num_kitchens, CELLS + num_cells + num_pots), np.int16)
+        self.rows: NDArray[np.uint16] = np.zeros((num_kitchens, CELLS + num_cells + num_pots), np.uint16)
         self.clock: NDArray[np.int64] = np.zeros(num_kitchens, np.int64)
         self.image: NDArray[np.uint8] = np.zeros((num_kitchens, 26 * num_cells), np.uint8)
         self.stream: NDArray[np.uint64] = np.zeros((num_kitchens, 2), np.uint64)
 
     @property
-    def position(self) -> NDArray[np.int16]:
+    def position(self) -> NDArray[np.uint16]:
         """Cell that each chef stands on, (N, 2)."""
         return self.rows[:, POSITION:FACING]
 
     @property
-    def facing(self) -> NDArray[np.int16]:
+    def facing(self) -> NDArray[np.uint16]:
         """Direction each chef looks, (N, 2)."""
         return self.rows[:, FACING:HELD]
 
     @property
-    def held(self) -> NDArray[np.int16]:
+    def held(self) -> NDArray[np.uint16]:
         """Item in each chef's hands, (N, 2)."""
         return self.rows[:, HELD:CELLS]
 
     @property
-    def cells(self) -> NDArray[np.int16]:
+    def cells(self) -> NDArray[np.uint16]:
         """Code of each cell, (N, C)."""
         return self.rows[:, CELLS : CELLS + self._num_cells]
 
     @property
-    def remaining(self) -> NDArray[np.int16]:
+    def remaining(self) -> NDArray[np.uint16]:
         """Steps until a cooking pot is ready, 0 for other pots, (N, P)."""
         return self.rows[:, CELLS + self._num_cells :]
 
