@@ -1,6 +1,6 @@
 """The block, the unit of play: every partner of a layout from every seat, in one batch, for one start state each."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.agents.agent import UnknownLayout
+from overcooked_bench.agents.agent import Agent, UnknownLayout
 from overcooked_bench.agents.checks import AgentError
 from overcooked_bench.agents.mirror import mirrored
-from overcooked_bench.agents.pool import Pool
+from overcooked_bench.agents.pool import Pool, PoolError
 from overcooked_bench.evaluation.entrant import agent_maker
 from overcooked_bench.evaluation.play import Games, Party, PlayFault, make_kitchens, play
 from overcooked_bench.evaluation.protocol import Protocol
@@ -28,8 +28,10 @@ class Block:
 
     Attributes:
         agent: Name or path of the scored agent.
+        agent_sha256: Hash of what it was when the score began.
         protocol: What is played.
         pool: Folder of the trained partners, or None.
+        pool_sha256: Its hash when the score began, or None.
         seed: Of the whole score.
         layout: Where.
         training_seed: Which training run of the agent.
@@ -37,8 +39,10 @@ class Block:
     """
 
     agent: str
+    agent_sha256: str
     protocol: Protocol
     pool: str | None
+    pool_sha256: str | None
     seed: int
     layout: str
     training_seed: int
@@ -72,17 +76,22 @@ def play_block(block: Block) -> Outcome:
     """Plays a block; the result depends on the block alone.
 
     A fault of the scored agent comes back as an outcome, so that no other block is lost with it.
+
+    Raises:
+        AgentError: The agent was changed since the score began.
+        PoolError: The pool was.
     """
-    partners = roster(block.protocol, _pool(block.pool), block.layout)
+    partners = roster(block.protocol, _pool(block.pool, block.pool_sha256), block.layout)
     who, seats = _deal(block, partners)
     with _one_thread():
+        make = agent_maker(block.agent, block.agent_sha256, block.protocol.mode)
         try:
             try:
-                games, adapted = _play(block, partners, who, seats, adapted=False), False
+                games, adapted = _play(block, make, partners, who, seats, adapted=False), False
             except UnknownLayout:
                 if not block.layout.endswith(MIRRORED):
                     raise
-                games, adapted = _play(block, partners, who, seats, adapted=True), True
+                games, adapted = _play(block, make, partners, who, seats, adapted=True), True
         except UnknownLayout as error:
             return Outcome(block.key, unknown=str(error))
         except AgentError as error:
@@ -95,15 +104,19 @@ def play_block(block: Block) -> Outcome:
 
 
 def _play(
-    block: Block, partners: Sequence[Partner], who: NDArray[np.int64], seats: NDArray[np.int64], adapted: bool
+    block: Block,
+    make: Callable[[str, int], Agent],
+    partners: Sequence[Partner],
+    who: NDArray[np.int64],
+    seats: NDArray[np.int64],
+    adapted: bool,
 ) -> Games:
     protocol, layout = block.protocol, block.layout
-    make = agent_maker(block.agent, protocol.mode)
     with _seeded(stream_key(*_belongs(block), block.training_seed)):
         ego = make(layout.removesuffix(MIRRORED) if adapted else layout, block.training_seed)
         parties = [
             Party(mirrored(ego) if adapted else ego, np.arange(len(who)), seats),
-            *seat_partners(partners, who, 1 - seats, _pool(block.pool), protocol.mode, layout),
+            *seat_partners(partners, who, 1 - seats, _pool(block.pool, block.pool_sha256), protocol.mode, layout),
         ]
         kitchens = make_kitchens(
             layout,
@@ -177,8 +190,16 @@ def _blame(
 
 
 @lru_cache(maxsize=2)
-def _pool(folder: str | None) -> Pool | None:
-    return Pool.load(folder) if folder else None
+def _pool(folder: str | None, sha256: str | None) -> Pool | None:
+    if folder is None:
+        return None
+    pool = Pool.load(folder)
+    if pool.hash != sha256:
+        raise PoolError(
+            f"{folder}: the pool was changed while it was being played (SHA-256 {str(sha256)[:12]}… when the score "
+            f"began, {pool.hash[:12]}… now); score again, with another --output where some blocks are finished"
+        )
+    return pool
 
 
 @contextmanager

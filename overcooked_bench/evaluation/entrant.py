@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from overcooked_bench.agents.agent import Agent
+from overcooked_bench.agents.checks import AgentError
 from overcooked_bench.agents.submission import ENTRY, Submission, load_submission
 
 if TYPE_CHECKING:
@@ -59,16 +60,26 @@ def identify(agent: str | Path) -> Entrant:
     return Entrant(reference, name.replace("/", "-"), policy.sha256, layout=policy.architecture.layout)
 
 
-def agent_maker(reference: str, mode: str) -> Callable[[str, int], Agent]:
+def agent_maker(reference: str, sha256: str, mode: str) -> Callable[[str, int], Agent]:
     """Gives `make(layout, training_seed)`, which makes the agent anew.
 
     A submission is imported once a process and its `make_agent` called for every block, so that no block depends on
     what was played before.
-    """
-    if is_submission(Path(reference)):
-        return _submission(reference).make_agent
-    from overcooked_bench.agents.catalogue import load_agent
 
+    Args:
+        reference: `Entrant.reference`.
+        sha256: `Entrant.sha256`: what the agent has to be still.
+        mode: How a frozen policy acts.
+
+    Raises:
+        AgentError: What lies there has another hash.
+    """
+    from overcooked_bench.agents.catalogue import load_agent
+    from overcooked_bench.agents.scripted import SCRIPTED
+
+    if reference not in SCRIPTED and is_submission(Path(reference)):
+        return _submission(reference, sha256).make_agent
+    _check_hash(reference, identify(reference).sha256, sha256)
     return lambda layout, training_seed: load_agent(reference, layout, training_seed, mode)  # type: ignore[arg-type]
 
 
@@ -85,8 +96,18 @@ def is_submission(path: Path) -> bool:
 
 
 @lru_cache(maxsize=1)
-def _submission(path: str) -> Submission:
-    return load_submission(path)
+def _submission(path: str, sha256: str) -> Submission:
+    submission = load_submission(path)
+    _check_hash(path, submission.sha256, sha256)
+    return submission
+
+
+def _check_hash(reference: str, found: str, expected: str) -> None:
+    if found != expected:
+        raise AgentError(
+            f"{reference}: changed while it was being scored (SHA-256 {expected[:12]}… when the score began, "
+            f"{found[:12]}… now); score it again, with another --output where some blocks are finished"
+        )
 
 
 def _frozen(name: str) -> "Policy | None":

@@ -121,7 +121,17 @@ def score(
     home = str(partners.folder.absolute()) if partners else None
     with Store(folder / EPISODES_FILE, facts, notes) as store:
         blocks = [
-            Block(entrant.reference, rules, home, seed, layout, run, episode)
+            Block(
+                agent=entrant.reference,
+                agent_sha256=entrant.sha256,
+                protocol=rules,
+                pool=home,
+                pool_sha256=partners.hash if partners else None,
+                seed=seed,
+                layout=layout,
+                training_seed=run,
+                episode=episode,
+            )
             for episode in range(rules.episodes)
             for run in range(entrant.training_seeds)
             for layout in chosen

@@ -1,6 +1,8 @@
 """Small protocols, submissions and stores for the tests of evaluation."""
 
+from overcooked_bench.agents.pool import Pool
 from overcooked_bench.evaluation.block import Block
+from overcooked_bench.evaluation.entrant import identify
 
 SETTINGS = {
     "name": "tiny",
@@ -28,7 +30,10 @@ def protocol_text(**changes):
 
 
 def block(protocol, agent="greedy", layout="cramped_room", pool=None, seed=0, training_seed=0, episode=0):
-    return Block(str(agent), protocol, pool and str(pool), seed, layout, training_seed, episode)
+    agent_sha256, pool_sha256 = identify(agent).sha256, pool and Pool.load(pool).hash
+    return Block(
+        str(agent), agent_sha256, protocol, pool and str(pool), pool_sha256, seed, layout, training_seed, episode
+    )
 
 
 AGENT = """

@@ -7,6 +7,8 @@ import msgspec
 import numpy as np
 import pytest
 
+from overcooked_bench.agents.checks import AgentError
+from overcooked_bench.agents.pool import PoolError
 from overcooked_bench.evaluation.block import play_block
 from overcooked_bench.evaluation.protocol import read_protocol
 from overcooked_bench.rendering.replay import frames_of
@@ -115,6 +117,23 @@ def test_a_fault_is_told_with_layout_partner_seat_and_step(fault, words, protoco
     assert outcome.episodes == ()
     assert outcome.fault.startswith("cramped_room")
     assert re.search(words, outcome.fault)
+
+
+def test_an_edited_submission_is_not_played_by_its_old_code(protocol, tmp_path):
+    file = tmp_path / "agent.py"
+    north = play_block(block(protocol, write_agent(file, act="return np.full(n, 0)")))
+    before = block(protocol, file, episode=1)
+    south = play_block(block(protocol, write_agent(file, act="return np.full(n, 1)")))
+    for outcome, action in ((north, 0), (south, 1)):
+        assert all((episode.joint_actions[:, episode.seat] == action).all() for episode in outcome.episodes)
+    with pytest.raises(AgentError, match="changed while it was being scored"):
+        play_block(before)
+
+
+def test_a_pool_that_was_changed_is_not_played(protocol, pool_folder):
+    begun = replace(block(protocol, pool=pool_folder), pool_sha256="0" * 64)
+    with pytest.raises(PoolError, match="changed while it was being played"):
+        play_block(begun)
 
 
 @pytest.mark.parametrize("where", ["make", "reset"])
