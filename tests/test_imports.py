@@ -1,7 +1,6 @@
 """`import overcooked_bench` and `overcooked-bench --help` stay light, and rooms import only what they may know."""
 
 import ast
-import os
 import re
 import shutil
 import subprocess
@@ -37,19 +36,6 @@ def test_nothing_heavy_is_imported(code):
     loaded = {name.partition(".")[0] for name in shown.rpartition("LOADED")[2].split()}
     assert "overcooked_bench" in loaded
     assert loaded.isdisjoint(HEAVY)
-
-
-@pytest.mark.parametrize("code", [IMPORT, HELP], ids=["import", "help"])
-def test_they_take_less_than_a_second_of_processor_time(code):
-    spent = []
-    for _ in range(5):
-        before = os.times()
-        run(code)
-        after = os.times()
-        spent.append(after.children_user + after.children_system - before.children_user - before.children_system)
-        if spent[-1] < 1:
-            return
-    pytest.fail(f"it took {spent} s")
 
 
 def test_the_command_answers_as_a_program():

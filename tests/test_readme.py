@@ -48,6 +48,8 @@ def test_a_script_runs(text):
     exec(compile(text, "README.md", "exec"), names)
     for name in ("env", "many", "own"):
         if name in names:
-            names[name].reset(seed=0)
+            observation, _ = names[name].reset(seed=0)
+            assert observation in names[name].observation_space
             names[name].step(names[name].action_space.sample())
             names[name].close()
+    assert "env" in names or names["views"].shape == (4096, 2, 26, 4, 5)

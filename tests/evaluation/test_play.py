@@ -1,7 +1,9 @@
+import pickle
+
 import numpy as np
 import pytest
 
-from overcooked_bench import UnknownLayout, load_agent, play_episodes
+from overcooked_bench import UnknownLayout, load_agent, one_game_at_a_time, play_episodes
 from overcooked_bench.evaluation.play import PlayFault
 
 
@@ -79,6 +81,10 @@ def test_the_same_object_twice_is_an_error():
         play_episodes("cramped_room", agents=(agent, agent), episodes=1)
 
 
+def leave(rows):
+    raise SystemExit(0)
+
+
 def crash(rows):
     raise RuntimeError("out of flour")
 
@@ -86,6 +92,7 @@ def crash(rows):
 @pytest.mark.parametrize(
     ("act", "row", "words"),
     [
+        (leave, None, "act.. raised SystemExit: 0"),
         (crash, None, "act.. raised RuntimeError: out of flour"),
         (lambda rows: np.full(rows, 2.0), None, "float64"),
         (lambda rows: np.full((rows, 1), 2), None, "shape"),
@@ -116,7 +123,8 @@ def test_answers_may_be_lists_and_tensors():
         lambda rows: torch.full((rows,), 4),
         lambda rows: np.full(rows, 4, np.uint8),
     ):
-        play_episodes("cramped_room", agents=(Told(answer), Told(waiting)), episodes=2, horizon=2)
+        games = play_episodes("cramped_room", agents=(Told(answer), Told(waiting)), episodes=2, horizon=2)
+        assert games.soup_reward.tolist() == [0, 0]
 
 
 def test_an_unknown_layout_stays_what_it_is():
@@ -126,3 +134,29 @@ def test_an_unknown_layout_stays_what_it_is():
 
     with pytest.raises(UnknownLayout, match="not cramped_room"):
         play_episodes("cramped_room", agents=(Picky(waiting), Told(waiting)), episodes=1)
+
+
+@pytest.mark.parametrize("answer", ["4", 9, 2**70])
+def test_of_agents_that_play_one_game_each_the_row_is_named(answer):
+    class Plays:
+        def reset(self, layout, seat, seed):
+            Plays.last = self
+
+        def act(self, seen):
+            return answer if self is Plays.last else 4
+
+    agent = one_game_at_a_time(Plays, observation="features")
+    with pytest.raises(PlayFault) as fault:
+        play_episodes("cramped_room", agents=(Told(waiting), agent), episodes=3)
+    assert (fault.value.party, fault.value.step, fault.value.row) == (1, 0, 2)
+    copy = pickle.loads(pickle.dumps(fault.value))
+    assert (str(copy), copy.row) == (str(fault.value), 2)
+
+
+@pytest.mark.parametrize("observation", ["lossless", "stack_channels"])
+def test_an_observation_that_the_kitchen_does_not_have_is_the_agents_fault(observation):
+    blind, sees = Told(waiting), Told(waiting)
+    blind.observation, sees.observation = observation, "lossless26"
+    with pytest.raises(PlayFault, match="no tomato channels") as fault:
+        play_episodes("XXPXX\nT1 2O\nX   X\nXDXSX", agents=(sees, blind), episodes=1)
+    assert (fault.value.party, fault.value.step) == (1, None)
