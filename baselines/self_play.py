@@ -120,18 +120,29 @@ class Outcome:
     seconds: float
 
 
+class UnfitError(ValueError):
+    """The settings do not fit the layout, such as a standard start where the grid names no start cells."""
+
+
 def make_learner(config: SelfPlay, seed: int) -> PPO:
-    """Makes the learner with its kitchens, on one core."""
+    """Makes the learner with its kitchens, on one core.
+
+    Raises:
+        UnfitError: Kitchens cannot be made so.
+    """
     torch.set_num_threads(1)
-    env = OvercookedVecEnv(
-        config.layout,
-        config.num_kitchens,
-        self_play=True,
-        observation=config.observation,
-        cooking=config.cooking,
-        start=config.start,
-        horizon=config.horizon,
-    )
+    try:
+        env = OvercookedVecEnv(
+            config.layout,
+            config.num_kitchens,
+            self_play=True,
+            observation=config.observation,
+            cooking=config.cooking,
+            start=config.start,
+            horizon=config.horizon,
+        )
+    except ValueError as error:
+        raise UnfitError(str(error)) from error
     return PPO(
         TrunkPolicy,
         env,
@@ -165,6 +176,7 @@ def train(config: SelfPlay, output: Path, seed: int, *, resume: bool = False, ev
 
     Raises:
         CheckpointError: There is nothing to resume from, or it belongs to another configuration.
+        UnfitError: The settings do not fit the layout.
     """
     resolved = {**json.loads(json.dumps(asdict(config))), "method": METHOD, "training_seed": seed}
     checkpoint = output / "checkpoint.pt"
@@ -244,7 +256,7 @@ def main(arguments: list[str]) -> int:
                 f"{output} holds a run already; go on with it by --resume, or choose another --output"
             )
         outcome = train(config, output, seed, resume=run.resume, every=run.checkpoint_every)
-    except (LayoutError, CheckpointError) as error:
+    except (LayoutError, CheckpointError, UnfitError) as error:
         print(f"overcooked-bench train: {error}", file=sys.stderr)
         return 2
     if outcome is None:

@@ -4,7 +4,8 @@ Axes: B = simultaneous episodes (rows).
 """
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, Final, Protocol, runtime_checkable
 
 import numpy as np
@@ -19,6 +20,18 @@ _ROUNDING: Final = 1e-3  # what a softmax in float16 may miss
 
 class UnknownLayout(ValueError):
     """An agent cannot play the layout that it was asked to play; scoring lists that layout as not attempted."""
+
+
+class GameError(RuntimeError):
+    """One of the players of `one_game_at_a_time` failed or answered with no action.
+
+    Attributes:
+        row: Which game it played, an index into the rows of `reset`.
+    """
+
+    def __init__(self, message: str, row: int) -> None:
+        super().__init__(message)
+        self.row = row
 
 
 @runtime_checkable
@@ -119,7 +132,7 @@ def one_game_at_a_time(factory: Callable[[], Any], observation: str | None = Non
     Args:
         factory: Called without arguments once for every row at every reset; usually a class. Its objects have
             `act(observation) -> int`, and may have `reset(layout: str, seat: int, seed: int)`, called once before
-            the game.
+            the game. Where one of them raises or returns no whole number, the Agent raises a GameError with its row.
         observation: What `act` is given; taken from the factory's or its objects' attribute `observation` where absent.
 
     Returns:
@@ -164,23 +177,36 @@ class _OneGameAtATime:
 
     def reset(self, layout: str, seats: NDArray[np.int64], seeds: NDArray[np.uint64]) -> None:
         self._players = [_make(self._factory) for _ in seats]
-        for player, seat, seed in zip(self._players, seats, seeds, strict=True):
+        for row, (player, seat, seed) in enumerate(zip(self._players, seats, seeds, strict=True)):
             if hasattr(player, "reset"):
-                player.reset(layout, int(seat), int(seed))
+                with self._blaming(row, "reset"):
+                    player.reset(layout, int(seat), int(seed))
 
     def act(self, observations: Any) -> NDArray[np.int64]:
         if len(observations) != len(self._players):
             raise ValueError(f"{len(observations)} observations for the {len(self._players)} games of reset()")
         actions = np.empty(len(self._players), np.int64)
         for row, (player, seen) in enumerate(zip(self._players, observations, strict=True)):
-            action = player.act(seen)
+            with self._blaming(row, "act"):
+                action = player.act(seen)
             try:
                 actions[row] = operator.index(action)
-            except TypeError:
-                raise TypeError(
-                    f"row {row}: {_name(self._factory)}'s act returned {action!r}; return one whole number from 0 to 5"
+            except (TypeError, OverflowError):
+                raise GameError(
+                    f"row {row}: {_name(self._factory)}'s act returned {action!r}; return one whole number from 0 to 5",
+                    row,
                 ) from None
         return actions
+
+    @contextmanager
+    def _blaming(self, row: int, method: str) -> Iterator[None]:
+        try:
+            yield
+        except UnknownLayout:
+            raise
+        except (Exception, SystemExit) as error:
+            told = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+            raise GameError(f"row {row}: {_name(self._factory)}'s {method} raised {told}", row) from error
 
 
 def _make(factory: Callable[[], Any]) -> Any:

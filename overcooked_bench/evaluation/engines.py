@@ -5,6 +5,7 @@ Only the parent writes anything; results come back in any order.
 
 import os
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, contextmanager
 from importlib import import_module
 from importlib.util import find_spec
@@ -41,7 +42,7 @@ def map_tasks(
             that RAY_ADDRESS names, or a local one.
 
     Raises:
-        EngineError: An unknown engine, or one that is not installed.
+        EngineError: An unknown engine, one that is not installed, or a local worker process that died.
     """
     if engine not in ENGINES:
         raise EngineError(f"no engine named {engine!r}; choose one of {', '.join(ENGINES)}")
@@ -58,7 +59,13 @@ def map_tasks(
             while some := list(islice(calls, 4 * workers)):
                 yield from joblib.Parallel(n_jobs=workers)(some)
             return
-        yield from joblib.Parallel(n_jobs=workers, batch_size=1, return_as="generator_unordered")(calls)
+        try:
+            yield from joblib.Parallel(n_jobs=workers, batch_size=1, return_as="generator_unordered")(calls)
+        except BrokenProcessPool as error:
+            raise EngineError(
+                "a worker process died: out of memory, or the agent ended it; finished blocks are kept, and the same "
+                "command goes on from there. Try --workers 1, which needs the least memory"
+            ) from error
 
 
 def _backend(engine: str, workers: int) -> AbstractContextManager[Any]:

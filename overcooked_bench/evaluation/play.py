@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.agents.agent import UnknownLayout
+from overcooked_bench.agents.agent import GameError, UnknownLayout
 from overcooked_bench.agents.checks import AgentError, check_actions
 from overcooked_bench.evaluation.streams import stream_key
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
@@ -37,6 +37,10 @@ class PlayFault(RuntimeError):
     def __init__(self, message: str, party: int, step: int | None, row: int | None = None) -> None:
         super().__init__(message)
         self.party, self.step, self.row = party, step, row
+
+    def __reduce__(self) -> tuple[type["PlayFault"], tuple[object, ...]]:
+        """Lets it travel from a worker process whole."""
+        return PlayFault, (str(self), self.party, self.step, self.row)
 
 
 class Party(NamedTuple):
@@ -142,7 +146,8 @@ def play(kitchens: Kitchens, parties: Sequence[Party], seeds: NDArray[np.uint64]
         seeds: (N, 2) uint64, the random stream of the agent on each seat.
 
     Raises:
-        PlayFault: An agent raised, or answered with something other than one action a row.
+        PlayFault: An agent raised, answered with something other than one action a row, or asks for an observation
+            that this kitchen does not have.
         UnknownLayout: An agent cannot play this layout.
     """
     n, horizon = kitchens.num_kitchens, kitchens.horizon
@@ -152,8 +157,13 @@ def play(kitchens: Kitchens, parties: Sequence[Party], seeds: NDArray[np.uint64]
             agent.reset(kitchens.layout.name, seats.copy(), seeds[rows, seats])
         except UnknownLayout:
             raise
-        except Exception as error:
-            raise PlayFault(f"reset() raised {_told(error)}", index, None) from error
+        except (Exception, SystemExit) as error:
+            raise PlayFault(_told("reset", error), index, None, _row_named(error, len(rows))) from error
+        if agent.observation != STATE:
+            try:
+                kitchens.observation_shape(agent.observation)
+            except ValueError as error:
+                raise PlayFault(f"its observation cannot be given here: {error}", index, None) from error
     starts = [kitchens.state(i) for i in range(n)]
     views = {name: kitchens.observe(name) for name in sorted({p.agent.observation for p in parties} - {STATE})}
     observes_states = any(party.agent.observation == STATE for party in parties)
@@ -168,8 +178,8 @@ def play(kitchens: Kitchens, parties: Sequence[Party], seeds: NDArray[np.uint64]
             seen = [states[row] for row in rows] if name == STATE else views[name][rows, seats]
             try:
                 answer = agent.act(seen)
-            except Exception as error:
-                raise PlayFault(f"act() raised {_told(error)}", index, step) from error
+            except (Exception, SystemExit) as error:
+                raise PlayFault(_told("act", error), index, step, _row_named(error, len(rows))) from error
             joint[rows, seats] = _checked(answer, len(rows), index, step)
         actions[step] = joint
         result = kitchens.step(joint)
@@ -206,5 +216,12 @@ def _row_at_fault(answer: Any, rows: int) -> int | None:
     return int(np.argmax((given < 0) | (given >= NUM_ACTIONS)))
 
 
-def _told(error: Exception) -> str:
-    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+def _row_named(error: BaseException, rows: int) -> int | None:
+    """Gives the row that an adapter of single games blames; None where nobody knows."""
+    return error.row if isinstance(error, GameError) and 0 <= error.row < rows else None
+
+
+def _told(method: str, error: BaseException) -> str:
+    if isinstance(error, GameError):
+        return str(error)
+    return f"{method}() raised {type(error).__name__}" + (f": {error}" if str(error) else "")

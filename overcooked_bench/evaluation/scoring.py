@@ -108,7 +108,11 @@ def score(
     if partners:
         check_pool(partners, rules, chosen)
     for layout in chosen:
-        Layout.load(layout)
+        if rules.start == "standard" and not Layout.load(layout).start_cells:
+            raise ProtocolError(
+                f"protocol {rules.name!r} plays start 'standard', but {layout} names no start cells; mark two with the "
+                "digits 1 and 2, or write start: random"
+            )
         roster(rules, partners, layout)
     folder = Path(output) if output else default_output(entrant.name, rules)
     facts = {

@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from overcooked_bench.agents import Agent, UnknownLayout, one_game_at_a_time, sample_actions, uniforms
+from overcooked_bench.agents.agent import GameError
 
 SEEDS = hnp.arrays(np.uint64, st.integers(1, 20))
 
@@ -132,10 +133,33 @@ def test_one_game_at_a_time_says_what_is_wrong():
         one_game_at_a_time(dict)
     agent = one_game_at_a_time(type("Floats", (), {"act": lambda self, seen: 2.0}), observation="features")
     agent.reset("cramped_room", np.zeros(2, int), np.zeros(2, np.uint64))
-    with pytest.raises(TypeError, match=r"row 0: Floats's act returned 2\.0"):
+    with pytest.raises(GameError, match=r"row 0: Floats's act returned 2\.0"):
         agent.act(np.zeros((2, 96)))
     with pytest.raises(ValueError, match="3 observations for the 2 games"):
         agent.act(np.zeros((3, 96)))
+
+
+@pytest.mark.parametrize("error", [KeyError("salt"), SystemExit(0)])
+def test_one_game_at_a_time_names_the_row_that_fails(error):
+    class Fails:
+        def reset(self, layout, seat, seed):
+            self.seat = seat
+            if seed == 1:
+                raise error
+
+        def act(self, seen):
+            if self.seat:
+                raise error
+            return 4
+
+    agent = one_game_at_a_time(Fails, observation="features")
+    agent.reset("cramped_room", np.array([0, 0, 1]), np.zeros(3, np.uint64))
+    with pytest.raises(GameError, match=f"row 2: Fails's act raised {type(error).__name__}") as fault:
+        agent.act(np.zeros((3, 96)))
+    assert fault.value.row == 2
+    with pytest.raises(GameError, match="row 1: Fails's reset raised") as fault:
+        agent.reset("cramped_room", np.zeros(2, int), np.array([0, 1], np.uint64))
+    assert fault.value.row == 1
 
 
 def test_an_unknown_layout_is_a_value_error():

@@ -95,6 +95,8 @@ def test_a_folder_that_holds_a_run_is_not_overwritten(run, capsys):
         (["--layout", "cramped_rom"], "did you mean 'cramped_room'"),
         (["--resume"], "start without --resume"),
         (["--layout", "no\ngrid"], "row 1"),
+        (["--layout", "XXPXX\nO   O\nX   X\nXDXSX", "--start", "standard"], "names no start cells"),
+        (["--layout", "XXPXX\nT1 2O\nX   X\nXDXSX"], "use 'lossless26'"),
     ],
 )
 def test_a_mistake_is_answered_without_a_traceback(arguments, told, tmp_path, capsys):

@@ -3,7 +3,8 @@ import pickle
 import numpy as np
 import pytest
 
-from overcooked_bench import UnknownLayout, load_agent, one_game_at_a_time, play_episodes
+from overcooked_bench import UnknownLayout, load_agent, play_episodes
+from overcooked_bench.agents import one_game_at_a_time
 from overcooked_bench.evaluation.play import PlayFault
 
 

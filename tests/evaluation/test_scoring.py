@@ -125,6 +125,20 @@ def test_after_a_fault_in_a_worker_too(protocol, tmp_path):
         score(agent, protocol, output=tmp_path / "out", workers=2)
 
 
+@pytest.mark.slow
+def test_a_worker_that_dies_is_one_message(protocol, tmp_path):
+    agent = write_agent(tmp_path / "agent.py", act="import os; os._exit(7)")
+    with pytest.raises(EngineError, match=r"finished blocks are kept.*--workers 1"):
+        score(agent, protocol, output=tmp_path / "out", workers=2)
+
+
+def test_a_standard_start_needs_start_cells(tmp_path):
+    (tmp_path / "bare.layout").write_text("XXPXX\nO   O\nX   X\nXDXSX")
+    rules = read_protocol(protocol_text(layouts=[str(tmp_path / "bare.layout")], start="standard"), "p.yaml")
+    with pytest.raises(ProtocolError, match="names no start cells"):
+        score("stay", rules, output=tmp_path / "out")
+
+
 def test_what_the_agent_does_not_know_is_not_attempted(tmp_path):
     protocol = read_protocol(protocol_text(layouts=["cramped_room", "coordination_ring"]), "p.yaml")
     agent = write_agent(tmp_path / "agent.py", make="if layout == 'cramped_room': raise UnknownLayout(layout)")
