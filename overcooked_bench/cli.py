@@ -205,7 +205,7 @@ def _add_train(commands: Any) -> None:
     parser = _command(
         commands,
         "train",
-        lambda _: main(["train", "--help"]),
+        lambda _: _train("", []),
         "train a baseline; `overcooked-bench train METHOD --help` shows the method's own options",
         "overcooked-bench train self-play --layout cramped_room --seed 0 --output runs/self-play",
     )
@@ -214,6 +214,13 @@ def _add_train(commands: Any) -> None:
 
 
 def _train(method: str, rest: list[str]) -> int:
+    if not method:
+        print(
+            f"overcooked-bench train: name a method ({', '.join(_METHODS)}), such as\n"
+            "  overcooked-bench train self-play --layout cramped_room --seed 0",
+            file=sys.stderr,
+        )
+        return 2
     if method not in _METHODS:
         print(f"overcooked-bench: no training method named {method!r}; there is {', '.join(_METHODS)}", file=sys.stderr)
         return 2

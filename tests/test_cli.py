@@ -76,6 +76,7 @@ def test_replay_shows_and_writes(scored, home):
         (["replay", "nowhere"], 2, "no such file"),
         (["score", "greedy", "--layouts", ","], 2, "no name given"),
         (["train", "seeds"], 2, "no training method named 'seeds'; there is self-play"),
+        (["train"], 2, "overcooked-bench train self-play"),
         (["train", "by-magic"], 2, "no training method named 'by-magic'"),
         (["dance"], 2, "invalid choice: 'dance'"),
     ],

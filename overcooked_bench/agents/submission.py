@@ -34,7 +34,7 @@ class Submission:
         training_seeds: How many independent training runs it holds: `make_agent` takes 0 to training_seeds - 1.
         make_agent: `make_agent(layout, training_seed)` gives an agent that keeps the contract as far as can be seen;
             raises UnknownLayout where the submission does, and AgentError for every other fault.
-        sha256: Of the file, or of all files of the folder with their names; hexadecimal.
+        sha256: Of the file, or of the folder's files with their names, as `hash_submission` gives it; hexadecimal.
     """
 
     name: str
@@ -94,7 +94,8 @@ def hash_submission(path: str | Path) -> str:
     """Computes a submission's SHA-256, hexadecimal.
 
     Args:
-        path: A file, whose content is hashed; or a folder, where every file counts with its name, caches excepted.
+        path: A file, whose content is hashed; or a folder, where every file counts with its name. Left out are caches,
+            hidden files and folders, and the folder `scores` directly in it, where `score .` writes.
     """
     path = Path(path)
     if path.is_file():
@@ -102,7 +103,8 @@ def hash_submission(path: str | Path) -> str:
     whole = hashlib.sha256()
     found = {file.relative_to(path).as_posix(): file for file in path.rglob("*") if file.is_file()}
     for name, file in sorted(found.items()):
-        if "__pycache__" not in name.split("/"):
+        parts = name.split("/")
+        if parts[0] != "scores" and not any(part == "__pycache__" or part.startswith(".") for part in parts):
             whole.update(f"{name}\0{hashlib.sha256(file.read_bytes()).hexdigest()}\n".encode())
     return whole.hexdigest()
 

@@ -11,6 +11,9 @@ import msgspec
 NEWEST: Final = "dev"
 """The protocol that is played where none is named."""
 
+MOST_STEPS: Final = 10_000
+"""The longest episode; all its joint actions are kept in memory."""
+
 _PACKAGE = "overcooked_bench.protocols"
 
 
@@ -26,7 +29,7 @@ class Protocol(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
         version: Rises whenever a score would change.
         layouts: Names of layouts, in the order of the table.
         cooking: "auto" or "manual".
-        horizon: Steps of an episode.
+        horizon: Steps of an episode, 10,000 at most.
         start: "random" or "standard".
         object_probability: Chance of each pot and each pair of hands to be filled at the start.
         pool: Name or folder of the trained partners; null for scripted partners alone.
@@ -60,7 +63,7 @@ class Protocol(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
             ("name", self.name, bool(self.name.strip()), "a name"),
             ("version", self.version, self.version >= 0, "a whole number from 0"),
             ("layouts", self.layouts, 0 < len(set(self.layouts)) == len(self.layouts), "at least one, each once"),
-            ("horizon", self.horizon, self.horizon >= 1, "a number of steps from 1"),
+            ("horizon", self.horizon, 1 <= self.horizon <= MOST_STEPS, f"a number of steps from 1 to {MOST_STEPS:,}"),
             ("object_probability", self.object_probability, 0 <= self.object_probability <= 1, "a probability"),
             ("pool", self.pool, self.pool is None or bool(self.pool.strip()), "the name or folder of a pool, or null"),
             ("partners", self.partners, bool(self.partners or self.pool), "a scripted partner, or name a pool"),
@@ -101,7 +104,10 @@ def load_protocol(source: str | Path = NEWEST) -> Protocol:
         return read_protocol(files(_PACKAGE).joinpath(f"{text}.yaml").read_text("utf-8"), f"protocol {text}")
     path = Path(text)
     if path.is_file():
-        return read_protocol(path.read_text("utf-8"), text)
+        try:
+            return read_protocol(path.read_text("utf-8"), text)
+        except UnicodeDecodeError as error:
+            raise ProtocolError(f"{text}: not a text file in UTF-8 ({error}); save it as UTF-8") from error
     near = difflib.get_close_matches(text, protocol_names(), n=1, cutoff=0.4)
     hint = f"did you mean {near[0]!r}? " if near else ""
     raise ProtocolError(

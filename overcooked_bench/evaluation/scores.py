@@ -61,12 +61,13 @@ class ThresholdScore(msgspec.Struct, frozen=True):
         reached: Partners with a mean of at least that, of `LayoutScore.partners`.
         share: The same as a share.
         undecided: Partners whose mean lies within two standard errors of the level; they count where their mean is.
+            Null where no error is known: a single episode of a single training run.
     """
 
     soups: float
     reached: Estimate
     share: float
-    undecided: int
+    undecided: int | None
 
 
 class CurvePoint(msgspec.Struct, frozen=True):
@@ -149,7 +150,8 @@ class Scores(msgspec.Struct, frozen=True):
         seed: 0 for scores that are to be compared.
         training_seeds: Independent training runs of the agent, S.
         interval: What the intervals are about, and what not.
-        overall: Equal-weight mean over the attempted layouts, points an episode; null where none was attempted.
+        overall: Equal-weight mean over the attempted layouts, points an episode; null where none was attempted. Its
+            interval is over training seeds, or the episode blocks of a single one, each averaged over the layouts.
         layouts: In the protocol's order.
         not_attempted: Layouts that the agent says it cannot play.
         run: Times, versions and everything else that may differ between two runs of the same score.

@@ -56,28 +56,20 @@ def t_interval(values: ArrayLike, lowest: float = -np.inf, highest: float = np.i
     return Interval(mean, float(max(lowest, mean - half)), float(min(highest, mean + half)))
 
 
-def combined(strata: Sequence[ArrayLike]) -> Interval:
-    """Gives the equal-weight mean of the means of independent strata (layouts), with Satterthwaite's t interval.
+def combined(layouts: Sequence[ArrayLike], lowest: float = -np.inf) -> Interval:
+    """Gives the equal-weight mean over layouts with Student's t interval over the repetitions.
+
+    A repetition is averaged over the layouts first: one training run may be one network for all of them, so that its
+    scores there are not independent.
 
     Args:
-        strata: One (n,) array each, as for `t_interval`.
+        layouts: One (n,) array for each layout, as for `t_interval`; the i-th value is the same repetition in each.
+        lowest: As for `t_interval`.
 
     Returns:
-        Both ends None where a stratum has fewer than two values.
-
-    Source: Satterthwaite 1946; layouts are strata because their training runs are not paired.
+        Both ends None where n < 2.
     """
-    groups = [np.asarray(values, np.float64) for values in strata]
-    mean = float(np.mean([values.mean() for values in groups]))
-    if min(len(values) for values in groups) < 2:
-        return Interval(mean, None, None)
-    parts = np.array([values.var(ddof=1) / len(values) for values in groups]) / len(groups) ** 2
-    total = float(parts.sum())
-    if not total:
-        return Interval(mean, mean, mean)
-    freedom = total**2 / float(sum(part**2 / (len(v) - 1) for part, v in zip(parts, groups, strict=True)))
-    half = _t(freedom) * total**0.5
-    return Interval(mean, mean - half, mean + half)
+    return t_interval(np.stack([np.asarray(values, np.float64) for values in layouts]).mean(axis=0), lowest)
 
 
 class Threshold(NamedTuple):
@@ -85,18 +77,19 @@ class Threshold(NamedTuple):
 
     Attributes:
         reached: Partners with a mean of at least the level, averaged over training seeds; with its interval.
-        undecided: Partners whose mean lies within two standard errors of the level.
+        undecided: Partners whose mean lies within two standard errors of the level; None where no error is known.
     """
 
     reached: Interval
-    undecided: int
+    undecided: int | None
 
 
 def threshold(returns: ArrayLike, level: float) -> Threshold:
     """Counts the partners that reach a level.
 
     With two training seeds or more the interval is t over the seeds' counts, clipped to what is possible. With one it
-    runs from the partners that reach the level for certain to those that may, by two standard errors over episodes.
+    runs from the partners that reach the level for certain to those that may, by two standard errors over episodes; a
+    single episode of a single run gives neither an interval nor an error.
 
     Args:
         returns: (S, P, E) returns, averaged over seats.
@@ -108,7 +101,9 @@ def threshold(returns: ArrayLike, level: float) -> Threshold:
     counts = (means >= level).sum(axis=1)
     middle = means.mean(axis=0)
     samples, n = (means.T, seeds) if seeds > 1 else (given[0], episodes)
-    errors = samples.std(axis=1, ddof=1) / n**0.5 if n > 1 else np.full(partners, np.inf)
+    if n < 2:
+        return Threshold(Interval(float(counts[0]), None, None), None)
+    errors = samples.std(axis=1, ddof=1) / n**0.5
     undecided = np.abs(middle - level) < UNDECIDED * errors
     if seeds > 1:
         return Threshold(t_interval(counts, 0, partners), int(undecided.sum()))

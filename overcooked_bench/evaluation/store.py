@@ -102,7 +102,8 @@ class Store:
 
     Args:
         file: The database; made where there is none.
-        facts: What identifies the score (hashes of protocol, agent and pool). None opens an existing store as it is.
+        facts: What identifies the score (hashes of protocol, agent and pool); those of an existing store must be the
+            same once it holds a finished block, and are replaced before. None opens an existing store as it is.
         notes: What else is to be kept; not compared.
 
     Attributes:
@@ -122,12 +123,9 @@ class Store:
         self._connection = sqlite3.connect(self.file, isolation_level=None, timeout=60)
         try:
             with self._transaction():
-                if not self._has_tables() and facts is not None:
-                    for statement in _TABLES.split(";"):
-                        self._connection.execute(statement)
-                    entries = {**(notes or {}), **facts, "schema": SCHEMA}
-                    self._connection.executemany("INSERT INTO facts VALUES (?, ?)", sorted(entries.items()))
-            self.facts: dict[str, str] = dict(self._connection.execute("SELECT key, value FROM facts"))
+                if facts is not None:
+                    self._begin({**(notes or {}), **facts, "schema": SCHEMA})
+            self.facts: dict[str, str] = self._read_facts()
         except sqlite3.DatabaseError as error:
             self.close()
             raise StoreError(f"{self.file}: not a store of episodes ({error}); choose another folder") from error
@@ -156,9 +154,15 @@ class Store:
         return {layout for (layout,) in self._connection.execute("SELECT layout FROM blocks WHERE adapted")}
 
     def add_block(self, block: tuple[str, int, int], episodes: Iterable[Episode], adapted: bool = False) -> None:
-        """Writes a finished block at once; a block that is there already is left alone."""
+        """Writes a finished block at once; a block that is there already is left alone.
+
+        Raises:
+            StoreError: Another score has taken the store over since it was opened.
+        """
         marks = ", ".join("?" * _COLUMNS)
         with self._transaction():
+            if self._read_facts() != self.facts:
+                raise StoreError(f"{self.file} was taken over by another score; give each its own folder with --output")
             written = self._connection.execute(
                 "INSERT OR IGNORE INTO blocks VALUES (?, ?, ?, ?)", (*block, int(adapted))
             )
@@ -192,6 +196,19 @@ class Store:
         """Reads what scores are made of, without starts and actions: all columns of `Episode` up to `partner_soups`."""
         columns = ", ".join(Episode._fields[:-2])
         return list(self._connection.execute(f"SELECT {columns} FROM episodes ORDER BY {_KEY}"))
+
+    def _begin(self, entries: Mapping[str, str]) -> None:
+        """Writes what identifies the score, unless a finished block belongs to what is written there already."""
+        if not self._has_tables():
+            for statement in _TABLES.split(";"):
+                self._connection.execute(statement)
+        elif self._read_facts().get("schema") != SCHEMA or self.blocks():
+            return
+        self._connection.execute("DELETE FROM facts")
+        self._connection.executemany("INSERT INTO facts VALUES (?, ?)", sorted(entries.items()))
+
+    def _read_facts(self) -> dict[str, str]:
+        return dict(self._connection.execute("SELECT key, value FROM facts"))
 
     def _has_tables(self) -> bool:
         found = self._connection.execute("SELECT count(*) FROM sqlite_master WHERE name = 'facts'")

@@ -35,7 +35,7 @@ def compute_layouts(
     for layout, run, episode, partner, seat, sha256, kind, reward, _, _, ego_soups, partner_soups in store.returns():
         who = rows.setdefault(layout, {}).setdefault((partner, kind, sha256), {})
         who[run, episode, seat] = reward, ego_soups, partner_soups
-    adapted, scores, strata = store.adapted(), [], []
+    adapted, scores, repetitions = store.adapted(), [], []
     shape = training_seeds, protocol.episodes, len(protocol.seats)
     for layout in layouts:
         tables = {who: _table(games, shape, protocol.seats) for who, games in sorted(rows[layout].items())}
@@ -43,15 +43,18 @@ def compute_layouts(
         cells = [_cell(who, table, agent_sha256) for who, table in tables.items()]
         returns = np.stack([table[..., 0] for table in counting.values()], axis=1)  # (S, P, E, K)
         scores.append(_layout_score(layout, layout in adapted, returns, cells, protocol))
-        strata.append(_repetitions(returns))
-    overall = Estimate(*statistics.combined(strata)) if strata else None
+        repetitions.append(_repetitions(returns))
+    overall = Estimate(*statistics.combined(repetitions, lowest=0)) if repetitions else None
     return tuple(scores), overall
 
 
 def describe_interval(training_seeds: int, episodes: int) -> str:
     """Says what the intervals are about."""
     if training_seeds > 1:
-        return f"95 % t intervals over {training_seeds} training seeds, for this pool of partners."
+        return (
+            f"95 % t intervals over {training_seeds} training seeds, for this pool of partners and given these start "
+            "states and random streams, which all training seeds play."
+        )
     if episodes > 1:
         return (
             f"95 % t intervals over {episodes} episode blocks of one training run, for this pool of partners; "

@@ -30,6 +30,7 @@ def test_a_file_is_read(tmp_path):
     [
         ({"horizon": "many"}, "Expected `int`, got `str` - at key `horizon`"),
         ({"horizon": 0}, "horizon is 0; give a number of steps from 1"),
+        ({"horizon": 10_001}, "horizon is 10001; give a number of steps from 1 to 10,000"),
         ({"horizon": None}, "missing key `horizon`"),
         ({"horizn": 400}, "unknown key `horizn`; keys are name, version"),
         ({"cooking": "microwave"}, "Invalid enum value 'microwave' - at key `cooking`"),
@@ -52,6 +53,13 @@ def test_a_wrong_key_is_named_with_the_file(changes, words):
 def test_a_file_that_is_no_mapping_is_refused():
     with pytest.raises(ProtocolError, match=r"^tiny.yaml: expected a mapping of keys"):
         read_protocol("[1, 2]", "tiny.yaml")
+
+
+def test_a_file_that_is_not_utf_8_is_refused(tmp_path):
+    file = tmp_path / "latin.yaml"
+    file.write_bytes(b"name: caf\xe9\n")
+    with pytest.raises(ProtocolError, match=r"latin.yaml: not a text file in UTF-8"):
+        load_protocol(file)
 
 
 def test_an_unknown_name_is_answered_with_the_nearest():

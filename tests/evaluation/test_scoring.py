@@ -118,6 +118,14 @@ def test_after_a_fault_the_played_blocks_stay(protocol, tmp_path):
     assert blocks(tmp_path / "out") == {("cramped_room", 0, 0)}
 
 
+def test_a_corrected_agent_is_scored_in_the_same_folder(protocol, tmp_path):
+    agent = write_agent(tmp_path / "agent.py", act="raise SystemExit(0)")
+    with pytest.raises(ScoringFault, match="SystemExit: 0"):
+        score(agent, protocol, output=tmp_path / "out")
+    score(write_agent(agent), protocol, output=tmp_path / "out")
+    assert len(blocks(tmp_path / "out")) == 2
+
+
 @pytest.mark.slow
 def test_after_a_fault_in_a_worker_too(protocol, tmp_path):
     agent = write_agent(tmp_path / "agent.py", act="return np.full(n, 4.5)")

@@ -44,10 +44,21 @@ def test_a_block_is_written_whole_or_not_at_all(tmp_path):
 
 @pytest.mark.parametrize("key", FACTS)
 def test_another_scores_folder_is_refused(key, tmp_path):
-    Store(tmp_path / "episodes.sqlite", FACTS).close()
+    with Store(tmp_path / "episodes.sqlite", FACTS) as store:
+        store.add_block(("cramped_room", 0, 0), [episode()])
     Store(tmp_path / "episodes.sqlite", FACTS, {"agent_name": "renamed"}).close()
     with pytest.raises(StoreError, match=f"begun with another {key} .*--output"):
         Store(tmp_path / "episodes.sqlite", {**FACTS, key: "d" * 64})
+
+
+def test_without_a_finished_block_another_score_takes_the_store_over(tmp_path):
+    first = Store(tmp_path / "episodes.sqlite", FACTS, {"agent_name": "before"})
+    with Store(tmp_path / "episodes.sqlite", {**FACTS, "agent": "d" * 64}, {"agent_name": "after"}) as store:
+        assert (store.facts["agent"], store.facts["agent_name"]) == ("d" * 64, "after")
+    with first, pytest.raises(StoreError, match="taken over by another score"):
+        first.add_block(("cramped_room", 0, 0), [episode()])
+    with Store(tmp_path / "episodes.sqlite") as store:
+        assert store.blocks() == set()
 
 
 def test_a_store_of_another_version_is_refused(tmp_path):

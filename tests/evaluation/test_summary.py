@@ -97,5 +97,6 @@ def test_seats_partners_and_thresholds(tmp_path, protocol):
 
 def test_the_interval_says_what_it_is_about():
     assert "5 training seeds" in describe_interval(5, 10)
+    assert "given these start states and random streams" in describe_interval(5, 10)
     assert "nothing about retraining" in describe_interval(1, 10)
     assert describe_interval(1, 1).startswith("No intervals")
