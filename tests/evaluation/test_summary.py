@@ -100,3 +100,19 @@ def test_the_interval_says_what_it_is_about():
     assert "given these start states and random streams" in describe_interval(5, 10)
     assert "nothing about retraining" in describe_interval(1, 10)
     assert describe_interval(1, 1).startswith("No intervals")
+
+
+def test_a_training_seed_is_averaged_over_layouts_before_the_interval(tmp_path, protocol):
+    """Two layouts on which the seeds go opposite ways: their mean does not vary, each of them does."""
+    rules, layouts = msgspec.structs.replace(protocol, episodes=1), ["cramped_room", "coordination_ring"]
+    with Store(tmp_path / "two.sqlite", {"agent": "x"}) as store:
+        for layout, points in zip(layouts, ([20.0, 40.0, 60.0], [60.0, 40.0, 20.0]), strict=True):
+            for s, reward in enumerate(points):
+                rows = [
+                    Episode(layout, s, 0, "ann", k, "a" * 64, "trained", reward, 0.0, 0.0, 1, 1, "", b"")
+                    for k in (0, 1)
+                ]
+                store.add_block((layout, s, 0), rows)
+        scores, overall = compute_layouts(store, rules, layouts, 3, "")
+    assert all(score.mean.low < score.mean.value == 40 for score in scores)
+    assert msgspec.structs.astuple(overall) == (40, 40, 40)
