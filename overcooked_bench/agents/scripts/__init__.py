@@ -1,0 +1,1 @@
+"""Partners that follow a script: deterministic functions of the kitchen's state and the time."""
