@@ -64,6 +64,7 @@ KNOWS = {
     "agents": {"kitchen"},
     "envs": {"kitchen", "agents", "rendering"},
     "evaluation": {"kitchen", "agents", "rendering"},
+    "scenarios": {"kitchen", "agents", "envs", "rendering"},
 }
 
 
@@ -91,7 +92,7 @@ def test_a_room_imports_only_what_it_may_know(room):
         for name in imported(path):
             found = re.match(r"overcooked_bench\.(\w+)", name)
             assert not found or found[1] in allowed, f"{path.relative_to(PACKAGE)} imports {name}"
-            assert name.partition(".")[0] not in ("baselines", "protocols", "tests")
+            assert name.partition(".")[0] not in ("baselines", "protocols", "unit_scenarios", "tests")
 
 
 def test_nothing_imports_the_baselines_or_the_command_line():

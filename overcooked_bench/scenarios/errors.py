@@ -1,0 +1,9 @@
+"""What can be wrong with a scenario file, and with who plays it."""
+
+
+class ScenarioError(ValueError):
+    """A scenario cannot be found or read; the message names the file and the line, and says what to write instead."""
+
+
+class ScenarioFault(RuntimeError):
+    """The tested agent broke the contract while it played a scenario."""
