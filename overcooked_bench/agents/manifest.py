@@ -2,130 +2,30 @@
 
 import difflib
 import hashlib
+import os
 import re
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import msgspec
 
+from overcooked_bench.agents.records import AgentRecord, HashedFile, Manifest, PoolAgent, PoolFiles
 from overcooked_bench.kitchen.layout import layout_names
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.policy import Policy
 
-FORMAT: Final = 1
+FORMAT: Final = 2
+"""What is written. Format 1, without configuration, checkpoint and profile, is read too."""
+
 MANIFEST: Final = "manifest.json"
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 
 class PoolError(ValueError):
     """A pool is missing, damaged or not what its manifest says; the message names the agent and the file."""
-
-
-class _Record(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    pass
-
-
-class SelfPlay(_Record, frozen=True, kw_only=True):
-    """What an agent reaches with itself.
-
-    Attributes:
-        mean: Soup reward of an episode, points.
-        low: Lower end of the mean's interval.
-        high: Upper end.
-        episodes: How many were played.
-    """
-
-    mean: float
-    low: float
-    high: float
-    episodes: int
-
-
-class HashedFile(_Record, frozen=True, kw_only=True):
-    """A file of the pool.
-
-    Attributes:
-        path: Relative to the pool's folder, with `/`.
-        sha256: Of its content, hexadecimal.
-    """
-
-    path: str
-    sha256: str
-
-
-class PoolFiles(_Record, frozen=True, kw_only=True):
-    """An agent's two files.
-
-    Attributes:
-        weights: `<layout>/<name>.safetensors`.
-        architecture: `<layout>/<name>.json`.
-    """
-
-    weights: HashedFile
-    architecture: HashedFile
-
-
-class AgentRecord(_Record, frozen=True, kw_only=True):
-    """How an agent of a pool came to be.
-
-    Attributes:
-        name: Unique on its layout.
-        layout: The shipped layout it plays.
-        method: How it was trained, such as "self-play".
-        seed: Its training seed.
-        namespace: What the seed was derived in.
-        lineage: Equal for agents that are tied by initialisation, training partners or checkpoints.
-        training: The training's configuration.
-        steps: Joint steps of training.
-        cooking: Cooking mode it was trained under.
-        mode: How its actions are chosen.
-        self_play: Its return with itself.
-    """
-
-    name: str
-    layout: str
-    method: str
-    seed: int
-    namespace: str
-    lineage: str
-    training: dict[str, Any]
-    steps: int
-    cooking: Literal["auto", "manual"]
-    mode: Literal["sample", "greedy"]
-    self_play: SelfPlay
-
-
-class PoolAgent(AgentRecord, frozen=True, kw_only=True):
-    """One agent of a pool.
-
-    Attributes:
-        files: Where it lies.
-    """
-
-    files: PoolFiles
-
-
-class Manifest(_Record, frozen=True, kw_only=True):
-    """What `manifest.json` holds.
-
-    Attributes:
-        format: Version of this file format.
-        name: The pool's name.
-        cooking: Cooking mode of all its agents.
-        mode: How all its agents' actions are chosen.
-        hash: SHA-256 of everything else, agents sorted by layout and name.
-        agents: The entries.
-    """
-
-    format: int
-    name: str
-    cooking: Literal["auto", "manual"]
-    mode: Literal["sample", "greedy"]
-    hash: str
-    agents: tuple[PoolAgent, ...]
 
 
 def read_manifest(folder: Path) -> Manifest:
@@ -185,7 +85,9 @@ def write_manifest(
     for agent in entries:
         check_files(folder, manifest, agent)
         check_policy(folder, manifest, agent)
-    (folder / MANIFEST).write_bytes(msgspec.json.format(msgspec.json.encode(manifest), indent=2) + b"\n")
+    unfinished = folder / f"{MANIFEST}.part"
+    unfinished.write_bytes(msgspec.json.format(msgspec.json.encode(manifest), indent=2) + b"\n")
+    os.replace(unfinished, folder / MANIFEST)
     return manifest
 
 
@@ -196,8 +98,8 @@ def pool_hash(manifest: Manifest) -> str:
 
 
 def _check(manifest: Manifest, file: Path) -> None:
-    if manifest.format != FORMAT:
-        raise PoolError(f"{file}: format {manifest.format}; this version reads format {FORMAT}")
+    if manifest.format not in (1, FORMAT):
+        raise PoolError(f"{file}: format {manifest.format}; this version reads formats 1 and {FORMAT}")
     if not manifest.agents:
         raise PoolError(f"{file}: lists no agents; a pool has at least one")
     for agent in manifest.agents:
@@ -226,12 +128,24 @@ def _check_entry(manifest: Manifest, agent: PoolAgent, file: Path) -> None:
             f"{which}: cooking {agent.cooking!r} and mode {agent.mode!r} in a pool of {manifest.cooking!r} and "
             f"{manifest.mode!r}; make one pool of each"
         )
+    _check_told(manifest, agent, which)
     for said, suffix in ((agent.files.weights.path, ".safetensors"), (agent.files.architecture.path, ".json")):
         expected = f"{agent.layout}/{agent.name}{suffix}"
         if said != expected:
             outside = PurePosixPath(said).is_absolute() or ".." in PurePosixPath(said).parts
             what = "points outside the pool's folder" if outside else "is not this agent's file"
             raise PoolError(f"{which}: {said!r} {what}; its file is {expected!r}")
+
+
+def _check_told(manifest: Manifest, agent: PoolAgent, which: str) -> None:
+    """Makes sure that an entry tells what its format asks for, no less and no more."""
+    told = {"configuration": agent.configuration, "checkpoint": agent.checkpoint, "profile": agent.profile}
+    for key, value in told.items():
+        if (value is None) != (manifest.format == 1):
+            verb = "lacks" if value is None else "has"
+            raise PoolError(f"{which}: it {verb} {key!r}, which came with format 2; this one is {manifest.format}")
+    if agent.checkpoint is not None and not 0 <= agent.checkpoint <= 1:
+        raise PoolError(f"{which}: checkpoint is {agent.checkpoint}; give the share of the training done, from 0 to 1")
 
 
 def check_files(folder: Path, manifest: Manifest, agent: PoolAgent) -> None:

@@ -12,17 +12,21 @@ from typing import TYPE_CHECKING
 
 from overcooked_bench.agents.manifest import (
     MANIFEST,
-    AgentRecord,
-    HashedFile,
-    Manifest,
-    PoolAgent,
     PoolError,
-    PoolFiles,
-    SelfPlay,
     check_files,
     check_policy,
     read_manifest,
     write_manifest,
+)
+from overcooked_bench.agents.records import (
+    AgentRecord,
+    HashedFile,
+    Manifest,
+    PoolAgent,
+    PoolFiles,
+    Profile,
+    SeatProfile,
+    SelfPlay,
 )
 from overcooked_bench.kitchen.layout import layout_names
 
@@ -37,6 +41,8 @@ __all__ = [
     "PoolAgent",
     "PoolError",
     "PoolFiles",
+    "Profile",
+    "SeatProfile",
     "SelfPlay",
     "find_pool",
     "read_manifest",

@@ -2,13 +2,18 @@
 
 import numpy as np
 
-from overcooked_bench.agents.policy import Mlp, Policy, PolicyFiles, load_policy, save_policy
-from overcooked_bench.agents.pool import AgentRecord, SelfPlay
+from overcooked_bench.agents.policy import Cnn, Mlp, Policy, PolicyFiles, load_policy, save_policy
+from overcooked_bench.agents.pool import AgentRecord, Profile, SeatProfile, SelfPlay
 
 
 def small_mlp(layout="cramped_room", shape=(22, 4, 5), **others):
     settings = {"observation": "lossless", "cooking": "auto", "hidden": (8, 5), "activation": "relu", **others}
     return Mlp(layout=layout, observation_shape=shape, **settings)
+
+
+def small_cnn(observation="lossless", layout="cramped_room", shape=(22, 4, 5), **others):
+    settings = {"cooking": "auto", "filters": 3, "hidden": (7, 5), "previous": 2 * (observation == "stack_states")}
+    return Cnn(observation=observation, layout=layout, observation_shape=shape, **(settings | others))
 
 
 def random_weights(architecture, seed):
@@ -25,6 +30,12 @@ def make_policy(folder, seed=0, **settings) -> Policy:
     return load_policy(write_policy(folder / f"policy-{seed}", seed, **settings).weights)
 
 
+SEAT = SeatProfile(
+    **{"mean": 100.0, "low": 95.0, "high": 105.0, "partial_reward": 40.0},
+    **{"pots": 7.5, "plates": 2.5, "deliveries": 5.0, "counter_drops": 1.0, "counter_pickups": 0.5},
+)
+
+
 def record(name="sp-0", layout="cramped_room", **others):
     settings = {
         "method": "self-play",
@@ -36,5 +47,8 @@ def record(name="sp-0", layout="cramped_room", **others):
         "cooking": "auto",
         "mode": "sample",
         "self_play": SelfPlay(mean=200, low=190.5, high=210.0, episodes=100),
+        "configuration": "fast",
+        "checkpoint": 1,
+        "profile": Profile(entropy=0.5, seats=(SEAT, SEAT)),
     }
     return AgentRecord(name=name, layout=layout, **(settings | others))

@@ -56,6 +56,14 @@ def test_a_manifest_needs_no_torch(pool_folder):
     assert done.stdout.strip() == "set()"
 
 
+def test_a_pool_of_format_1_is_read_as_it_was_written():
+    pool = Pool.load("dev-v0")
+    assert pool.manifest.format == 1
+    assert pool.hash == "ecd9149914f58d408febc4a21f7e71259461f87a9f0ba234f89595b1e30ff94c"
+    agent = pool.agent("cramped_room", "sp-0")
+    assert (agent.configuration, agent.checkpoint, agent.profile, agent.trained) == (None, None, None, 1.0)
+
+
 def first(manifest):
     return manifest["agents"][0]
 
@@ -77,11 +85,15 @@ def first(manifest):
         (lambda m: first(m).update(surprise=1), "unknown field `surprise`"),
         (lambda m: m["agents"].append(first(m)), "2 agents are named"),
         (lambda m: m.update(agents=[]), "lists no agents"),
-        (lambda m: m.update(format=2), "reads format 1"),
+        (lambda m: m.update(format=3), "reads formats 1 and 2"),
+        (lambda m: m.update(format=1), "has .configuration., which came with format 2"),
+        (lambda m: first(m).pop("profile"), "lacks .profile."),
+        (lambda m: first(m).update(checkpoint=1.5), "share of the training done"),
     ],
     ids=[
         *("entry", "hash", "name", "absolute", "parent", "other-file", "bad-name", "unknown-layout", "cooking"),
-        *("type", "missing", "unknown", "duplicate", "empty", "format"),
+        *("type", "missing", "unknown", "duplicate", "empty", "format", "older"),
+        *("no-profile", "checkpoint"),
     ],
 )
 def test_a_changed_manifest_is_refused(pool_folder, change, message):
