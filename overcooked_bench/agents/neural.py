@@ -14,6 +14,7 @@ from overcooked_bench.agents.agent import UnknownLayout, sample_actions
 from overcooked_bench.agents.policy import (
     ARCHITECTURES,
     Architecture,
+    Cnn,
     Mlp,
     Policy,
     PolicyError,
@@ -26,6 +27,7 @@ __all__ = [
     "ARCHITECTURES",
     "MODES",
     "Architecture",
+    "Cnn",
     "Mlp",
     "Mode",
     "NeuralAgent",

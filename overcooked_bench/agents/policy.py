@@ -1,8 +1,6 @@
 """A frozen policy on disk: `<name>.safetensors`, the actor's weights, and `<name>.json`, its architecture.
 
 Both are parsed and checked, never unpickled. Torch is not needed to read or write them.
-
-Axes: K policies, R rows of each policy.
 """
 
 import hashlib
@@ -11,19 +9,28 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.kitchen.codes import NUM_ACTIONS
+from overcooked_bench.agents.architectures import ARCHITECTURES, Architecture, Cnn, Mlp
 from overcooked_bench.kitchen.layout import Layout, LayoutError
 
-if TYPE_CHECKING:
-    import torch
+__all__ = [
+    "ARCHITECTURES",
+    "Architecture",
+    "Cnn",
+    "Mlp",
+    "Policy",
+    "PolicyError",
+    "PolicyFiles",
+    "load_policy",
+    "policy_files",
+    "save_policy",
+]
 
-FORMAT: Final = 1
 MOST_WEIGHTS: Final = 100_000_000
 WEIGHTS_SUFFIX, ARCHITECTURE_SUFFIX = ".safetensors", ".json"
 _HEADER_ROOM: Final = 1_000_000  # bytes of a weights file besides the weights
@@ -31,99 +38,6 @@ _HEADER_ROOM: Final = 1_000_000  # bytes of a weights file besides the weights
 
 class PolicyError(ValueError):
     """A policy's files are missing, broken or do not fit each other; the message names the file and the remedy."""
-
-
-class Architecture(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="architecture"):
-    """What every architecture tells about its policy; subclasses add their network.
-
-    Attributes:
-        observation: What the policy sees, a name of `Kitchens.observe`.
-        observation_shape: Shape of one such observation, channels first.
-        layout: The layout it was trained on, as agents are told it.
-        cooking: The cooking mode it was trained under.
-        format: Version of this file format.
-    """
-
-    observation: Literal["lossless", "lossless26", "features", "stack_channels", "stack_states"]
-    observation_shape: tuple[int, ...]
-    layout: str
-    cooking: Literal["auto", "manual"]
-    format: int = FORMAT
-
-    def __post_init__(self) -> None:
-        """Refuses what no network can have.
-
-        Raises:
-            ValueError: Names the field.
-        """
-        if self.format != FORMAT:
-            raise ValueError(f"format is {self.format}; this version reads format {FORMAT}")
-        if not self.observation_shape or min(self.observation_shape) < 1:
-            raise ValueError(f"observation_shape is {list(self.observation_shape)}; give numbers from 1")
-
-    def tensor_shapes(self) -> dict[str, tuple[int, ...]]:
-        """Gives the shape of every tensor of the weights file."""
-        raise NotImplementedError
-
-    def forward(self, weights: "Mapping[str, torch.Tensor]", inputs: "torch.Tensor") -> "torch.Tensor":
-        """Computes K policies at once.
-
-        Args:
-            weights: By name, (K, *shape) float32.
-            inputs: (K, R, *observation_shape) float32, unscaled.
-
-        Returns:
-            (K, R, 6) float32, logits.
-        """
-        raise NotImplementedError
-
-
-class Mlp(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="mlp"):
-    """Fully connected layers over the flattened observation.
-
-    Attributes:
-        hidden: Width of each hidden layer.
-        activation: After each hidden layer.
-    """
-
-    hidden: tuple[int, ...] = (128, 128)
-    activation: Literal["relu", "tanh"] = "tanh"
-
-    def __post_init__(self) -> None:
-        """Checks the hidden layers too.
-
-        Raises:
-            ValueError: Names the field.
-        """
-        Architecture.__post_init__(self)
-        if not self.hidden or min(self.hidden) < 1:
-            raise ValueError(f"hidden is {list(self.hidden)}; give one width from 1 for each hidden layer")
-
-    def tensor_shapes(self) -> dict[str, tuple[int, ...]]:
-        """Gives `trunk.<i>.weight` (out, in) and `trunk.<i>.bias` (out,) of each layer, then `action.*`."""
-        names = [*(f"trunk.{i}" for i in range(len(self.hidden))), "action"]
-        ins, outs = (prod(self.observation_shape), *self.hidden), (*self.hidden, NUM_ACTIONS)
-        shapes: dict[str, tuple[int, ...]] = {}
-        for name, wide_in, wide_out in zip(names, ins, outs, strict=True):
-            shapes[f"{name}.weight"], shapes[f"{name}.bias"] = (wide_out, wide_in), (wide_out,)
-        return shapes
-
-    def forward(self, weights: "Mapping[str, torch.Tensor]", inputs: "torch.Tensor") -> "torch.Tensor":
-        """Computes K policies at once; see `Architecture.forward`."""
-        import torch
-
-        def layer(name: str, x: "torch.Tensor") -> "torch.Tensor":
-            return torch.baddbmm(weights[f"{name}.bias"].unsqueeze(1), x, weights[f"{name}.weight"].transpose(1, 2))
-
-        activation = torch.relu if self.activation == "relu" else torch.tanh
-        values = inputs.flatten(2)
-        for i in range(len(self.hidden)):
-            values = activation(layer(f"trunk.{i}", values))
-        return layer("action", values)
-
-
-ARCHITECTURES: Final[dict[str, type[Architecture]]] = {"mlp": Mlp}
-"""The value of `architecture` in the JSON file -> what describes and computes it."""
 
 
 @dataclass(frozen=True)
@@ -274,7 +188,7 @@ def _check_tensors(architecture: Architecture, tensors: Mapping[str, NDArray[Any
         if tensor.shape != shape:
             raise PolicyError(
                 f"{file}: {name} has the shape {list(tensor.shape)}; the architecture says {list(shape)}; "
-                "correct `hidden` or `observation_shape`, or save the policy again"
+                f"correct the {ARCHITECTURE_SUFFIX} file, or save the policy again"
             )
         if tensor.dtype not in (np.float16, np.float32):
             raise PolicyError(f"{file}: {name} is {tensor.dtype}; store float16 or float32")

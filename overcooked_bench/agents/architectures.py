@@ -1,0 +1,211 @@
+"""The networks that a frozen policy can have: each is described by one JSON object and computes K policies at once.
+
+Inputs are the numbers of `Kitchens.observe` as they are: nearly all planes hold zeros and ones, and the few that count
+(contents of pots, remaining cook time) stay as small as the reference encoding has them.
+
+Axes: K policies, R rows of each policy.
+"""
+
+from collections.abc import Mapping
+from math import prod
+from typing import TYPE_CHECKING, Final, Literal
+
+import msgspec
+
+from overcooked_bench.kitchen.codes import NUM_ACTIONS
+
+if TYPE_CHECKING:
+    import torch
+
+FORMAT: Final = 1
+CONVOLUTIONS: Final = ((5, 2), (3, 1), (3, 0))
+"""Kernel size and padding of the convolutions of `Cnn`."""
+
+
+class Architecture(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="architecture"):
+    """What every architecture tells about its policy; subclasses add their network.
+
+    Attributes:
+        observation: What the policy sees, a name of `Kitchens.observe`.
+        observation_shape: Shape of one such observation, channels first.
+        layout: The layout it was trained on, as agents are told it.
+        cooking: The cooking mode it was trained under.
+        format: Version of this file format.
+    """
+
+    observation: Literal["lossless", "lossless26", "features", "stack_channels", "stack_states"]
+    observation_shape: tuple[int, ...]
+    layout: str
+    cooking: Literal["auto", "manual"]
+    format: int = FORMAT
+
+    def __post_init__(self) -> None:
+        """Refuses what no network can have.
+
+        Raises:
+            ValueError: Names the field.
+        """
+        if self.format != FORMAT:
+            raise ValueError(f"format is {self.format}; this version reads format {FORMAT}")
+        if not self.observation_shape or min(self.observation_shape) < 1:
+            raise ValueError(f"observation_shape is {list(self.observation_shape)}; give numbers from 1")
+
+    def tensor_shapes(self) -> dict[str, tuple[int, ...]]:
+        """Gives the shape of every tensor of the weights file."""
+        raise NotImplementedError
+
+    def forward(self, weights: "Mapping[str, torch.Tensor]", inputs: "torch.Tensor") -> "torch.Tensor":
+        """Computes K policies at once.
+
+        Args:
+            weights: By name, (K, *shape) float32.
+            inputs: (K, R, *observation_shape) float32, unscaled.
+
+        Returns:
+            (K, R, 6) float32, logits.
+        """
+        raise NotImplementedError
+
+
+class Mlp(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="mlp"):
+    """Fully connected layers over the flattened observation.
+
+    Attributes:
+        hidden: Width of each hidden layer.
+        activation: After each hidden layer.
+    """
+
+    hidden: tuple[int, ...] = (128, 128)
+    activation: Literal["relu", "tanh"] = "tanh"
+
+    def __post_init__(self) -> None:
+        """Checks the hidden layers too.
+
+        Raises:
+            ValueError: Names the field.
+        """
+        Architecture.__post_init__(self)
+        _check_hidden(self.hidden)
+
+    def tensor_shapes(self) -> dict[str, tuple[int, ...]]:
+        """Gives `trunk.<i>.weight` (out, in) and `trunk.<i>.bias` (out,) of each layer, then `action.*`."""
+        return _dense_shapes(prod(self.observation_shape), self.hidden)
+
+    def forward(self, weights: "Mapping[str, torch.Tensor]", inputs: "torch.Tensor") -> "torch.Tensor":
+        """Computes K policies at once; see `Architecture.forward`."""
+        import torch
+
+        activation = torch.relu if self.activation == "relu" else torch.tanh
+        values = inputs.flatten(2)
+        for i in range(len(self.hidden)):
+            values = activation(_layer(weights, f"trunk.{i}", values))
+        return _layer(weights, "action", values)
+
+
+class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="cnn"):
+    """Three convolutions over the grid, then fully connected layers; leaky ReLU of slope 0.01, torch's own, after each.
+
+    With `stack_states` all four states pass the same convolutions. The three older ones then pass one small layer,
+    which they share and the current state does not pass; the current state's values and those of the older ones,
+    newest first, are joined.
+
+    Source: Carroll et al. 2019, appendix A (convolutions 5x5, 3x3 and 3x3, the last without padding); thesis, 7.4
+    (the small layer). Neither says the slope or the small layer's width.
+
+    Attributes:
+        filters: Of each convolution.
+        hidden: Width of each fully connected layer.
+        previous: Width of the small layer, 16 in the baselines; 0 where the observation is not `stack_states`.
+    """
+
+    filters: int = 25
+    hidden: tuple[int, ...] = (64, 64, 64)
+    previous: int = 0
+
+    def __post_init__(self) -> None:
+        """Checks the layers too.
+
+        Raises:
+            ValueError: Names the field.
+        """
+        Architecture.__post_init__(self)
+        _check_hidden(self.hidden)
+        shape, stacked = self.observation_shape, self.observation == "stack_states"
+        if len(shape) != 3 + stacked or min(shape[-2:]) < 3:
+            raise ValueError(
+                f"observation_shape is {list(shape)}; convolutions need a grid of at least 3x3: "
+                f"{'[states, channels, height, width]' if stacked else '[channels, height, width]'}"
+            )
+        if self.filters < 1:
+            raise ValueError(f"filters is {self.filters}; give a number from 1")
+        if (self.previous >= 1) != stacked or self.previous < 0:
+            raise ValueError(
+                f"previous is {self.previous} with {self.observation!r}; "
+                "give a width from 1, such as 16, with 'stack_states', and 0 with others"
+            )
+
+    def tensor_shapes(self) -> dict[str, tuple[int, ...]]:
+        """Gives `conv.<i>.weight` (out, in, k, k) and `.bias`, `previous.*` if any, `trunk.<i>.*` and `action.*`."""
+        *states, channels, height, width = self.observation_shape
+        shapes: dict[str, tuple[int, ...]] = {}
+        for i, (size, padding) in enumerate(CONVOLUTIONS):
+            shapes[f"conv.{i}.weight"] = (self.filters, self.filters if i else channels, size, size)
+            shapes[f"conv.{i}.bias"] = (self.filters,)
+            height, width = height + 2 * padding - size + 1, width + 2 * padding - size + 1
+        joined = flat = self.filters * height * width
+        if states:
+            shapes |= {"previous.weight": (self.previous, flat), "previous.bias": (self.previous,)}
+            joined = flat + (states[0] - 1) * self.previous
+        return shapes | _dense_shapes(joined, self.hidden)
+
+    def forward(self, weights: "Mapping[str, torch.Tensor]", inputs: "torch.Tensor") -> "torch.Tensor":
+        """Computes K policies at once; see `Architecture.forward`.
+
+        One policy's convolutions after the other's: a grouped convolution is slower here from a few rows on.
+        """
+        import torch
+        from torch.nn.functional import leaky_relu
+
+        policies, rows = inputs.shape[:2]
+        values = torch.stack(
+            [self._convolve({name: w[k] for name, w in weights.items()}, inputs[k]) for k in range(policies)]
+        )
+        if self.previous:
+            states = values.view(policies, rows, self.observation_shape[0], -1)
+            older = leaky_relu(_layer(weights, "previous", states[:, :, 1:].flatten(1, 2)))
+            values = torch.cat((states[:, :, 0], older.view(policies, rows, -1)), 2)
+        for i in range(len(self.hidden)):
+            values = leaky_relu(_layer(weights, f"trunk.{i}", values))
+        return _layer(weights, "action", values)
+
+    def _convolve(self, weights: "Mapping[str, torch.Tensor]", inputs: "torch.Tensor") -> "torch.Tensor":
+        """Gives one policy's flattened images: (R, *observation_shape) -> (R S, F H' W') with S states a row."""
+        from torch.nn.functional import conv2d, leaky_relu
+
+        images = inputs.reshape(-1, *self.observation_shape[-3:])
+        for i, (_, padding) in enumerate(CONVOLUTIONS):
+            images = leaky_relu(conv2d(images, weights[f"conv.{i}.weight"], weights[f"conv.{i}.bias"], padding=padding))
+        return images.flatten(1)
+
+
+ARCHITECTURES: Final[dict[str, type[Architecture]]] = {"mlp": Mlp, "cnn": Cnn}
+"""The value of `architecture` in the JSON file -> what describes and computes it."""
+
+
+def _check_hidden(hidden: tuple[int, ...]) -> None:
+    if not hidden or min(hidden) < 1:
+        raise ValueError(f"hidden is {list(hidden)}; give one width from 1 for each hidden layer")
+
+
+def _dense_shapes(inputs: int, hidden: tuple[int, ...]) -> dict[str, tuple[int, ...]]:
+    names = [*(f"trunk.{i}" for i in range(len(hidden))), "action"]
+    shapes: dict[str, tuple[int, ...]] = {}
+    for name, wide_in, wide_out in zip(names, (inputs, *hidden), (*hidden, NUM_ACTIONS), strict=True):
+        shapes[f"{name}.weight"], shapes[f"{name}.bias"] = (wide_out, wide_in), (wide_out,)
+    return shapes
+
+
+def _layer(weights: "Mapping[str, torch.Tensor]", name: str, values: "torch.Tensor") -> "torch.Tensor":
+    import torch
+
+    return torch.baddbmm(weights[f"{name}.bias"].unsqueeze(1), values, weights[f"{name}.weight"].transpose(1, 2))
