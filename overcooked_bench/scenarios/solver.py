@@ -1,0 +1,53 @@
+"""The exact shortest solution of a scenario, against the partner that the scenario really has."""
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from overcooked_bench.scenarios.search import Search
+
+if TYPE_CHECKING:
+    from overcooked_bench.scenarios.scenario import Situation
+
+LONGEST: Final = 80
+"""Steps after which a scenario without a budget counts as unsolvable."""
+
+
+class Solution(NamedTuple):
+    """A shortest solution.
+
+    Attributes:
+        steps: T*.
+        actions: Chef A's actions, T* of them: played against the scenario's partner they pass.
+    """
+
+    steps: int
+    actions: tuple[int, ...]
+
+
+def solve(situation: "Situation", limit: int | None = None) -> Solution | None:
+    """Finds a shortest solution by search over both chefs' joint state.
+
+    Args:
+        situation: A scenario from one seat.
+        limit: Steps; by default the scenario's own budget, or `LONGEST` where it has none.
+
+    Returns:
+        The solution, or None where there is none within the limit.
+
+    Raises:
+        TooManyStates: The search was given up before anything was known.
+    """
+    if limit is None:
+        limit = LONGEST if situation.scenario.budget is None else situation.scenario.budget
+    search = search_for(situation)
+    row, counts = search.row(situation.state), search.no_counts()
+    for joint in situation.before:
+        row, _ = search.step(row, counts, joint)
+    found = search.run(row, counts, situation.behaviour, 0, limit)
+    return None if found is None else Solution(len(found.actions), found.actions)
+
+
+def search_for(situation: "Situation") -> Search:
+    """Prepares a search for the goal of a situation."""
+    scenario = situation.scenario
+    goal = (situation.accept, situation.never, situation.counters)
+    return Search(situation.layout, scenario.cooking, situation.seat, *goal)
