@@ -9,6 +9,9 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any
 
+from overcooked_bench.commands.common import ProgressBar, add_command, names
+from overcooked_bench.commands.common import console as make_console
+
 _EPILOG = "Each command has its own --help with an example."
 _METHODS = ("self-play",)
 
@@ -85,22 +88,8 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _command(
-    commands: Any, name: str, run: Callable[[argparse.Namespace], int], summary: str, example: str
-) -> argparse.ArgumentParser:
-    parser: argparse.ArgumentParser = commands.add_parser(
-        name,
-        help=summary,
-        description=summary[0].upper() + summary[1:] + ".",
-        epilog=f"example:\n  {example}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.set_defaults(command=run)
-    return parser
-
-
 def _add_score(commands: Any) -> None:
-    parser = _command(
+    parser = add_command(
         commands,
         "score",
         _score,
@@ -114,7 +103,7 @@ def _add_score(commands: Any) -> None:
     )
     parser.add_argument("--protocol", metavar="NAME|FILE", help="what is played (default: the newest shipped protocol)")
     parser.add_argument("--pool", metavar="NAME|FOLDER", help="other trained partners than the protocol's")
-    parser.add_argument("--layouts", metavar="A,B", type=_names, help="some of the protocol's layouts")
+    parser.add_argument("--layouts", metavar="A,B", type=names, help="some of the protocol's layouts")
     parser.add_argument("--output", metavar="DIR", help="where to write (default: scores/<agent>-<protocol>)")
     parser.add_argument("--workers", metavar="N", type=int, help="processes (default: the usable cores, four at most)")
     parser.add_argument("--engine", default="local", metavar="local|dask|ray", help="where the processes run")
@@ -130,7 +119,7 @@ def _score(options: argparse.Namespace) -> int:
     from overcooked_bench.evaluation.protocol import NEWEST, load_protocol
 
     protocol = load_protocol(options.protocol or NEWEST)
-    with _progress() as on_progress:
+    with ProgressBar("compiling and loading") as tell:
         scores, folder = scoring.score(
             options.agent,
             protocol=protocol,
@@ -140,14 +129,14 @@ def _score(options: argparse.Namespace) -> int:
             workers=default_workers() if options.workers is None else options.workers,
             engine=options.engine,
             seed=options.seed,
-            on_progress=on_progress,
+            on_progress=lambda at: tell(at.layout, at.blocks, at.of),
         )
     if options.json:
         print((folder / scoring.SCORES_FILE).read_text("utf-8"), end="")
         return 0
     from overcooked_bench.evaluation.tables import score_tables
 
-    console = _console()
+    console = make_console()
     console.print(score_tables(scores))
     for file, what in (
         (scoring.REPORT_FILE, "the report"),
@@ -161,7 +150,7 @@ def _score(options: argparse.Namespace) -> int:
 
 
 def _add_replay(commands: Any) -> None:
-    parser = _command(
+    parser = add_command(
         commands,
         "replay",
         _replay,
@@ -202,7 +191,7 @@ def _replay(options: argparse.Namespace) -> int:
 
 
 def _add_train(commands: Any) -> None:
-    parser = _command(
+    parser = add_command(
         commands,
         "train",
         lambda _: _train("", []),
@@ -229,7 +218,7 @@ def _train(method: str, rest: list[str]) -> int:
 
 
 def _add_list(commands: Any) -> None:
-    parser = _command(
+    parser = add_command(
         commands, "list", _list, "show layouts, agents, protocols and pools", "overcooked-bench list agents --json"
     )
     parser.add_argument("kind", nargs="?", choices=("layouts", "agents", "protocols", "pools"), help="only these")
@@ -248,52 +237,12 @@ def _list(options: argparse.Namespace) -> int:
         "protocols": list(protocol_names()),
         "pools": list(shipped_pools()),
     }
-    chosen = {kind: names for kind, names in found.items() if options.kind in (None, kind)}
+    chosen = {kind: entries for kind, entries in found.items() if options.kind in (None, kind)}
     if options.json:
         import json
 
         print(json.dumps(chosen, indent=2))
         return 0
-    for kind, names in chosen.items():
-        print("\n".join([kind, *(f"  {name}" for name in names)]))
+    for kind, entries in chosen.items():
+        print("\n".join([kind, *(f"  {name}" for name in entries)]))
     return 0
-
-
-def _names(text: str) -> list[str]:
-    names = [name.strip() for name in text.split(",") if name.strip()]
-    if not names:
-        raise argparse.ArgumentTypeError("no name given; write one or more, separated by commas")
-    return names
-
-
-def _console() -> Any:
-    from rich.console import Console
-
-    return Console(width=None if sys.stdout.isatty() else 100)
-
-
-class _progress:
-    """A progress bar on standard error, where that is a terminal."""
-
-    def __enter__(self) -> Callable[[Any], None]:
-        from rich.console import Console
-        from rich.progress import (
-            BarColumn,
-            MofNCompleteColumn,
-            Progress,
-            TextColumn,
-            TimeElapsedColumn,
-            TimeRemainingColumn,
-        )
-
-        console = Console(stderr=True)
-        columns = BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn()
-        self._bar = Progress(
-            TextColumn("{task.description}"), *columns, console=console, disable=not console.is_terminal, transient=True
-        )
-        task = self._bar.add_task("compiling and loading", total=None)
-        self._bar.start()
-        return lambda at: self._bar.update(task, description=at.layout, completed=at.blocks, total=at.of)
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.stop()

@@ -65,6 +65,7 @@ KNOWS = {
     "envs": {"kitchen", "agents", "rendering"},
     "evaluation": {"kitchen", "agents", "rendering"},
     "scenarios": {"kitchen", "agents", "envs", "rendering"},
+    "commands": {"kitchen", "rendering", "agents", "envs", "evaluation", "scenarios"},
 }
 
 

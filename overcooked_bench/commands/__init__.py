@@ -1,0 +1,1 @@
+"""Groups of commands of `overcooked-bench`, one module each; `cli.py` puts them together."""
