@@ -7,10 +7,10 @@ import torch
 from stable_baselines3.common.callbacks import BaseCallback
 
 from overcooked_bench import load_agent, play_episodes
-from overcooked_bench.baselines.seeds import USER, derive_seed
-from overcooked_bench.baselines.self_play import SelfPlay, main, make_learner, train
+from overcooked_bench.baselines.learning.seeds import USER, derive_seed
+from overcooked_bench.baselines.self_play import Config, main, train
 from overcooked_bench.cli import main as command
-from tests.baselines.tiny import SEED, SETTINGS, STEPS, UPDATE, learned, same, tiny, tiny_arguments
+from tests.baselines.tiny import SEED, SETTINGS, STEPS, UPDATE, learned, same, tiny, tiny_arguments, tiny_learner
 
 GRID = """
 XXPXX
@@ -42,7 +42,7 @@ def test_a_run_leaves_its_configuration_checkpoint_logs_and_policy(run):
     assert config["method"] == "self-play"
     assert config["seed"] == 0
     assert config | json.loads(json.dumps(SETTINGS)) == config
-    assert config.keys() == {*SelfPlay.__dataclass_fields__, "method", "training_seed"}
+    assert config.keys() == {*Config.__dataclass_fields__, "method", "training_seed"}
     assert any(path.name.startswith("events.out.tfevents") for path in (folder / "logs").iterdir())
     entries = [json.loads(line) for line in (folder / "logs" / "progress.json").read_text().splitlines()]
     assert [entry["train/joint_steps"] for entry in entries] == [*range(UPDATE, STEPS + 1, UPDATE), STEPS]
@@ -152,7 +152,7 @@ class Watch(BaseCallback):
 
 
 def test_an_episode_cut_off_by_the_horizon_goes_on_in_the_value_of_its_last_state():
-    model = make_learner(tiny(horizon=9), SEED)
+    model = tiny_learner(tiny(horizon=9), SEED)
     with torch.no_grad():
         model.policy.value_net.bias.fill_(5.0)
     watch = Watch()
@@ -178,7 +178,7 @@ def test_the_schedules_end_with_the_run_though_the_last_rollout_ends_later(tmp_p
     assert outcome.steps == 3 * UPDATE
     entries = [json.loads(line) for line in (tmp_path / "logs" / "progress.json").read_text().splitlines()]
     rates = [entry["train/learning_rate"] for entry in entries if "train/learning_rate" in entry]
-    assert rates == pytest.approx([1e-3 * (1 - UPDATE / steps), 1e-3 * (1 - 2 * UPDATE / steps), 0.0])
+    assert rates == pytest.approx([2e-3 * (1 - UPDATE / steps), 2e-3 * (1 - 2 * UPDATE / steps), 0.0])
 
 
 def test_shaping_and_entropy_fall_linearly(tmp_path, monkeypatch):
@@ -187,7 +187,9 @@ def test_shaping_and_entropy_fall_linearly(tmp_path, monkeypatch):
         "overcooked_bench.envs.sb3.OvercookedVecEnv.set_shaping",
         lambda env, weight: shaping.append(weight),
     )
-    monkeypatch.setattr("stable_baselines3.PPO.train", lambda model: entropy.append(model.ent_coef))
+    monkeypatch.setattr(
+        "overcooked_bench.baselines.learning.learner.Learner.train", lambda model: entropy.append(model.ent_coef)
+    )
     train(tiny(shaping_share=0.5, entropy_start=0.5, entropy_end=0.25), tmp_path, SEED)
     assert shaping == pytest.approx([1, 0.6, 0.2, 0, 0])
     assert entropy == pytest.approx([0.5, 0.45, 0.4, 0.35, 0.3])

@@ -4,8 +4,10 @@ from typing import Any
 
 import torch
 
-from overcooked_bench.baselines.seeds import USER, derive_seed
-from overcooked_bench.baselines.self_play import METHOD, SelfPlay
+from overcooked_bench.baselines.learning.learner import Learner
+from overcooked_bench.baselines.learning.run import make_env, make_learner
+from overcooked_bench.baselines.learning.seeds import USER, derive_seed
+from overcooked_bench.baselines.self_play import METHOD, Config
 
 UPDATE = 64
 """Joint steps between two updates."""
@@ -25,8 +27,13 @@ SETTINGS: dict[str, Any] = {
 """Episodes end in the middle of a rollout."""
 
 
-def tiny(**others: Any) -> SelfPlay:
-    return SelfPlay(**(SETTINGS | others))
+def tiny(**others: Any) -> Config:
+    return Config(**(SETTINGS | others))
+
+
+def tiny_learner(config: Config, seed: int) -> Learner:
+    """A learner of self-play, untrained."""
+    return make_learner(config, make_env(config, self_play=True), seed)
 
 
 def tiny_arguments(*others: str) -> list[str]:

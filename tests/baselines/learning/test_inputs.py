@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overcooked_bench import Kitchens, Layout
-from overcooked_bench.baselines.inputs import live_inputs, observed_channels
+from overcooked_bench.baselines.learning.inputs import live_inputs, observed_channels
 from overcooked_bench.kitchen.kitchens import GRID_PLANES
 from overcooked_bench.kitchen.observations import URGENCY
 from tests.kitchen.strategies import COOKING, SEEDS, joint_actions, law, layouts

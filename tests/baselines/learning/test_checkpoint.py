@@ -7,12 +7,12 @@ import sys
 
 import pytest
 import torch
-from stable_baselines3 import PPO
 
-from overcooked_bench.baselines.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
-from overcooked_bench.baselines.self_play import main, make_learner, train
+from overcooked_bench.baselines.learning.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from overcooked_bench.baselines.learning.learner import Learner
+from overcooked_bench.baselines.self_play import main, train
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
-from tests.baselines.tiny import SEED, STEPS, UPDATE, learned, same, tiny, tiny_arguments
+from tests.baselines.tiny import SEED, STEPS, UPDATE, learned, same, tiny, tiny_arguments, tiny_learner
 
 SIGNAL_AT_STEP = """
 import os, signal, sys
@@ -118,7 +118,7 @@ def log(folder, begun):
 
 def test_ctrl_c_during_an_update_saves_after_it(tmp_path, whole_run, monkeypatch):
     with monkeypatch.context() as patch:
-        press_ctrl_c(patch, PPO, "train", 2)
+        press_ctrl_c(patch, Learner, "train", 2)
         assert train(tiny(), tmp_path, SEED) is None
     assert joint_steps_done(tmp_path) == 2 * UPDATE
     assert train(tiny(), tmp_path, SEED, resume=True)
@@ -159,7 +159,7 @@ def test_a_finished_run_resumes_to_itself(tmp_path, whole_run, monkeypatch):
 def test_what_is_loaded_is_what_was_saved(tmp_path, whole_run):
     theirs = torch.load(whole_run[0] / "checkpoint.pt", weights_only=True)
     config = json.loads(theirs["plain"])["config"]
-    model = make_learner(tiny(), 1)
+    model = tiny_learner(tiny(), 1)
     load_checkpoint(whole_run[0] / "checkpoint.pt", model, config)
     save_checkpoint(tmp_path / "folder" / "again.pt", model, config)
     ours = torch.load(tmp_path / "folder" / "again.pt", weights_only=True)
@@ -177,7 +177,7 @@ def test_a_save_that_fails_leaves_the_last_checkpoint(tmp_path, whole_run, monke
     good = (whole_run[0] / "checkpoint.pt").read_bytes()
     (tmp_path / "checkpoint.pt").write_bytes(good)
     config = json.loads((whole_run[0] / "config.json").read_text())
-    model = make_learner(tiny(), 1)
+    model = tiny_learner(tiny(), 1)
     load_checkpoint(tmp_path / "checkpoint.pt", model, config)
 
     def full(content, file):

@@ -12,12 +12,17 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from stable_baselines3 import PPO
+from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 
+from overcooked_bench.agents.policy import policy_files
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 
 from .checkpoint import save_checkpoint
+from .freeze import freeze
+from .settings import Settings
 
+SOUP_POINTS = 20
 _RECENT = 100
 _SECONDS_BETWEEN_LINES = 30
 
@@ -31,12 +36,13 @@ class Monitor(BaseCallback):
         config: The run's resolved configuration.
         checkpoint: Where to save, every `every` joint steps, and when the run is stopped.
         every: Joint steps between checkpoints.
-        steps: Joint steps of the whole run.
-        shaping: Weight of the partial rewards by joint steps done.
-        entropy: Coefficient of the entropy bonus by joint steps done.
+        settings: The run's.
+        snapshots: Folder for the policies that are saved on the way.
+        last_attempt: Whether the run goes on though the divergence check finds it wanting.
 
     Attributes:
         stopped: Whether the run was stopped, and saved, before its end.
+        diverged: What the divergence check found where it gave the run up, else None.
     """
 
     def __init__(
@@ -44,15 +50,16 @@ class Monitor(BaseCallback):
         config: dict[str, Any],
         checkpoint: Path,
         every: int,
-        steps: int,
-        shaping: Callable[[int], float],
-        entropy: Callable[[int], float],
+        settings: Settings,
+        snapshots: Path,
+        last_attempt: bool = True,
     ) -> None:
         super().__init__()
-        self._config, self._checkpoint, self._every, self._steps = config, checkpoint, every, steps
-        self._shaping, self._entropy = shaping, entropy
+        self._config, self._checkpoint, self._every, self._settings = config, checkpoint, every, settings
+        self._snapshots, self._unchecked = snapshots, settings.check_share > 0 and not last_attempt
+        self._steps = settings.steps
         self._returns: deque[float] = deque(maxlen=_RECENT)
-        self._name = "custom kitchen" if "\n" in config["layout"] else config["layout"]
+        self._name = "custom kitchen" if "\n" in settings.layout else settings.layout
         self._asked = self._answered = False
         self._restore: Callable[[], object] = lambda: None
         self._console = Console(stderr=True)
@@ -67,6 +74,11 @@ class Monitor(BaseCallback):
             disable=not self._console.is_terminal,
         )
         self.stopped = False
+        self.diverged: dict[str, float] | None = None
+
+    def joint_steps(self, model: BaseAlgorithm) -> int:
+        """Joint steps that a learner has done; SB3 counts those of every row."""
+        return model.num_timesteps // (model.n_envs // self._settings.num_kitchens)
 
     def close(self) -> None:
         """Gives Ctrl-C and the terminal back; needed after a run that ended by an exception, harmless after others."""
@@ -92,8 +104,10 @@ class Monitor(BaseCallback):
             assert isinstance(self.model, PPO)
             save_checkpoint(self._checkpoint, self.model, self._config)
             self._saved_at = done
-        self._env.set_shaping(self._shaping(done))
-        self.model.ent_coef = self._entropy(done)  # type: ignore[attr-defined]
+        self._check(done)
+        self._snap(done)
+        self._env.set_shaping(self._settings.shaping_at(done))
+        self.model.ent_coef = self._settings.entropy_at(done)  # type: ignore[attr-defined]
         self._tell(done)
 
     def _on_step(self) -> bool:
@@ -102,7 +116,7 @@ class Monitor(BaseCallback):
             self._console.print("stopping and saving after this update; Ctrl-C again stops at once")
         if self.locals["dones"][0]:
             self._returns.extend(info["episode_soup_reward"] for info in self.locals["infos"][:: self._rows])
-        return not self.stopped
+        return not self.stopped and self.diverged is None
 
     def _on_rollout_end(self) -> None:
         if self._returns:
@@ -117,6 +131,23 @@ class Monitor(BaseCallback):
         self._tell(done, last=True)
         self.close()
 
+    def _check(self, done: int) -> None:
+        """Gives a run up that has not learned to deliver (thesis, chapter 6: preemptive divergence check)."""
+        if not self._unchecked or done < self._settings.check_share * self._steps or not self._returns:
+            return
+        self._unchecked = False
+        soups = float(np.mean(self._returns)) / SOUP_POINTS
+        if soups < self._settings.check_soups:
+            self.diverged = {"joint_steps": done, "soups": soups}
+            self._console.print(f"{soups:.1f} soups an episode after {done:,} steps; begins anew with another seed")
+
+    def _snap(self, done: int) -> None:
+        """Saves the policy where a share of the steps has passed; a run that goes on finds the same policy there."""
+        for share in self._settings.snapshots:
+            stem = self._snapshots / snapshot_name(share)
+            if done >= share * self._steps and not policy_files(stem).architecture.exists():
+                freeze(stem, self.model.policy, self._settings)  # type: ignore[arg-type]
+
     @property
     def _env(self) -> OvercookedVecEnv:
         assert isinstance(self.training_env, OvercookedVecEnv)
@@ -124,8 +155,7 @@ class Monitor(BaseCallback):
 
     @property
     def _done(self) -> int:
-        """Joint steps so far; SB3 counts those of every row."""
-        return self.model.num_timesteps // self._rows
+        return self.joint_steps(self.model)
 
     @property
     def _rows(self) -> int:
@@ -138,7 +168,7 @@ class Monitor(BaseCallback):
         told = f"{rate:7.0f} steps/s"
         if self._returns:
             mean = float(np.mean(self._returns))
-            told = f"return {mean:5.1f}  soups {mean / 20:4.1f}  {told}"
+            told = f"return {mean:5.1f}  soups {mean / SOUP_POINTS:4.1f}  {told}"
         self._progress.update(self._task, completed=done, told=told)
         if self._progress.disable and (last or now - self._told > _SECONDS_BETWEEN_LINES):
             self._told = now
@@ -149,3 +179,8 @@ class Monitor(BaseCallback):
         if self._asked:
             raise KeyboardInterrupt
         self._asked = True
+
+
+def snapshot_name(share: float) -> str:
+    """Gives the stem of a snapshot's files."""
+    return f"at-{share:g}"

@@ -1,10 +1,13 @@
 """Which numbers of a grid observation can ever change: the others are a bias that no layer needs to multiply."""
 
+from collections.abc import Callable
+
 import numpy as np
+import torch
 from numpy.typing import NDArray
 
 from overcooked_bench.kitchen.codes import DIRECTIONS
-from overcooked_bench.kitchen.kitchens import HISTORY
+from overcooked_bench.kitchen.kitchens import HISTORY, STACKED, Kitchens
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.observations import CHANNELS, CHEF_CHANNELS, NUM_CHANNELS, ONION_CHANNELS, PAST_CHANNELS
 
@@ -45,3 +48,42 @@ def live_inputs(layout: Layout, observation: str) -> NDArray[np.int64]:
             for x, y in sorted(cells.get(CHANNELS[channel], ()), key=lambda cell: (cell[1], cell[0]))
         ]
     )
+
+
+def live_sources(layout: Layout, observation: str) -> NDArray[np.int64]:
+    """Says where each input of an observation is found among the live ones.
+
+    Returns:
+        (inputs,) position in `live_inputs`, -1 where the input never changes.
+    """
+    live = live_inputs(layout, observation)
+    channels = observed_channels(observation)
+    area = layout.width * layout.height
+    sources = np.full(len(channels) * area, -1)
+    sources[live] = np.arange(len(live))
+    for plane, channel in enumerate(channels):
+        if CHANNELS[channel] == "urgency":
+            cells = sources[plane * area : (plane + 1) * area]
+            cells[:] = cells.max()
+    return sources
+
+
+def fixed_inputs(layout: Layout, observation: str) -> NDArray[np.float32]:
+    """Gives the inputs that never change: (inputs,) float32, zero where an input is live."""
+    kitchens = Kitchens(layout, 1, start="random", history=HISTORY if observation in STACKED else 0)
+    kitchens.reset(seed=0)
+    shown = kitchens.observe(observation)[0, 0].reshape(-1).astype(np.float32)
+    return np.where(live_sources(layout, observation) < 0, shown, np.float32(0))
+
+
+def spreader(layout: Layout, observation: str, shape: tuple[int, ...]) -> Callable[[torch.Tensor], torch.Tensor]:
+    """Makes the way back from live inputs, (B, L), to whole observations, (B, *shape) float32."""
+    sources = torch.from_numpy(live_sources(layout, observation))
+    fixed = torch.from_numpy(fixed_inputs(layout, observation))
+    where = sources.clamp(min=0)
+    moving = (sources >= 0).float()
+
+    def spread(seen: torch.Tensor) -> torch.Tensor:
+        return (seen.float().index_select(1, where) * moving + fixed).view(-1, *shape)
+
+    return spread

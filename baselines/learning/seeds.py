@@ -17,3 +17,10 @@ def derive_seed(namespace: str, layout: str, method: str, index: int) -> int:
         raise ValueError(f"namespace={namespace!r}, method={method!r}; give names of one line")
     text = "\n".join((namespace, layout, method, str(index)))
     return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "big")
+
+
+def restarted(seed: int, attempt: int) -> int:
+    """Gives the seed of a run's `attempt`-th restart; attempt 0 is the run itself."""
+    if not attempt:
+        return seed
+    return int.from_bytes(hashlib.sha256(f"{seed}\nrestart\n{attempt}".encode()).digest()[:4], "big")

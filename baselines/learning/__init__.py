@@ -1,0 +1,1 @@
+"""What the training methods share: settings, networks, the learner, checkpoints, runs."""

@@ -1,0 +1,111 @@
+"""What `overcooked-bench train METHOD` does for every method: options, a named configuration, exit codes."""
+
+import argparse
+import dataclasses
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, Final, TypeVar
+
+import tyro
+
+from overcooked_bench.agents.manifest import PoolError
+from overcooked_bench.agents.policy import PolicyError
+from overcooked_bench.evaluation.statistics import t_interval
+from overcooked_bench.kitchen.layout import Layout, LayoutError
+
+from ..presets import PresetError, checked, config_names, named_settings
+from .checkpoint import CheckpointError
+from .run import CHECKPOINT, CONFIG_FILE, Outcome, UnfitError
+from .seeds import USER, derive_seed
+from .settings import Settings
+
+_STOPPED: Final = 130
+AnySettings = TypeVar("AnySettings", bound=Settings)
+
+
+def main_of(method: str, kind: type[AnySettings], train: Callable[..., Outcome | None], arguments: list[str]) -> int:
+    """Runs `overcooked-bench train METHOD ...`.
+
+    Args:
+        method: The method's name.
+        kind: Its settings.
+        train: Its function, called with (settings, output, seed, resume=, every=).
+        arguments: The command line's, without program and method.
+
+    Returns:
+        The exit code: 0, 2 for wrong use, 130 after Ctrl-C.
+    """
+    try:
+        name, rest = _config_name(arguments)
+        chosen = checked(kind, {"layout": "", **named_settings(method, name)}, f"{method}, configuration {name!r}")
+    except PresetError as error:
+        print(f"overcooked-bench train: {error}", file=sys.stderr)
+        return 2
+    options_kind = _options(kind, config_names(method))
+    given = tyro.cli(
+        options_kind,
+        default=options_kind(**{**chosen, "layout": tyro.MISSING}),
+        args=rest,
+        prog=f"overcooked-bench train {method}",
+        description=_help(method, kind),
+    )
+    options = {field.name: getattr(given, field.name) for field in dataclasses.fields(given)}
+    output, resume, every = (options.pop(name) for name in ("output", "resume", "checkpoint_every"))
+    options.pop("config")
+    try:
+        settings = kind(**options)
+        layout = Layout.load(settings.layout).name
+        label = layout if "\n" not in layout else "custom"
+        output = output or Path("runs") / f"{method}-{label}-{settings.seed}"
+        if not resume and ((output / CONFIG_FILE).exists() or (output / CHECKPOINT).exists()):
+            raise CheckpointError(
+                f"{output} holds a run already; go on with it by --resume, or choose another --output"
+            )
+        outcome = train(settings, output, derive_seed(USER, layout, method, settings.seed), resume=resume, every=every)
+    except (LayoutError, CheckpointError, UnfitError, PresetError, PolicyError, PoolError) as error:
+        print(f"overcooked-bench train: {error}", file=sys.stderr)
+        return 2
+    if outcome is None:
+        print(f"stopped, and saved in {output}; the same command with --resume goes on from there", file=sys.stderr)
+        return _STOPPED
+    mean, low, high = t_interval(outcome.returns)
+    print(
+        f"{outcome.files.weights}: return with itself {mean:.1f} "
+        f"[{low:.1f}, {high:.1f}] points over {len(outcome.returns)} episodes, after {outcome.steps:,} joint steps "
+        f"in {outcome.seconds:.0f} s" + (f", {outcome.restarts} restarts" if outcome.restarts else "")
+    )
+    return 0
+
+
+def _config_name(arguments: list[str]) -> tuple[str, list[str]]:
+    """Takes --config out of the arguments, since it decides the defaults of all others."""
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("--config", default="")
+    found, rest = parser.parse_known_args(arguments)
+    return found.config, rest
+
+
+def _options(kind: type[Settings], names: tuple[str, ...]) -> Any:
+    """Gives the settings class with what belongs to a run alone."""
+    run: list[tuple[str, Any, Any]] = [
+        ("config", _option(str, f"Named settings: {', '.join(names)}."), names[0]),
+        (
+            "output",
+            _option(Path | None, "Folder for everything; runs/<method>-<layout>-<seed> by default.", "-o"),
+            None,
+        ),
+        ("resume", _option(bool, "Go on from the folder's checkpoint."), False),
+        ("checkpoint_every", _option(int, "Joint steps between checkpoints."), 250_000),
+    ]
+    own = [(name, hint, dataclasses.field(default=default)) for name, hint, default in run]
+    return dataclasses.make_dataclass("Options", own, bases=(kind,), frozen=True, kw_only=True)
+
+
+def _option(kind: Any, text: str, *aliases: str) -> Any:
+    return Annotated[kind, tyro.conf.arg(help=text, aliases=aliases or None)]
+
+
+def _help(method: str, kind: type[Settings]) -> str:
+    first = (kind.__doc__ or "").partition("\n")[0]
+    return f"{first}\n\nExample: overcooked-bench train {method} --layout forced_coordination --seed 1\n"

@@ -1,0 +1,222 @@
+"""The networks that are trained: one trunk for actor and critic, fed with the inputs that can change alone.
+
+Axes: B samples, L live inputs, I inputs of a whole observation.
+"""
+
+from itertools import pairwise
+from typing import Any
+
+import torch
+from gymnasium import spaces
+from stable_baselines3.common.policies import ActorCriticPolicy
+from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
+from stable_baselines3.common.type_aliases import PyTorchObs
+
+from overcooked_bench.kitchen.codes import NUM_ACTIONS
+from overcooked_bench.kitchen.layout import Layout
+
+from .inputs import fixed_inputs, live_inputs, live_sources
+from .settings import Settings
+
+
+class Trunk(BaseFeaturesExtractor):
+    """What actor and critic share; SB3's own `net_arch` gives each its own layers, at twice the cost.
+
+    Args:
+        observation_space: What the policy sees.
+        settings: The run's.
+        width: Of the features.
+    """
+
+    live: torch.Tensor
+
+    def __init__(self, observation_space: spaces.Box, settings: Settings, width: int) -> None:
+        super().__init__(observation_space, width)
+        live = live_inputs(Layout.load(settings.layout), settings.observation)
+        self.register_buffer("live", torch.from_numpy(live), persistent=False)
+
+    def compact(self, observations: torch.Tensor) -> torch.Tensor:
+        """Picks the live inputs, (B, L), out of whole observations."""
+        return observations.flatten(1).index_select(1, self.live)
+
+    def forward(self, observations: torch.Tensor) -> torch.Tensor:
+        """Gives the features, (B, width), of whole observations."""
+        return self.features(self.compact(observations))
+
+    def features(self, seen: torch.Tensor) -> torch.Tensor:
+        """Gives the features, (B, width), of compact observations (B, L)."""
+        raise NotImplementedError
+
+    def weights(self) -> dict[str, torch.Tensor]:
+        """Gives the tensors under the names that the frozen architecture has for them."""
+        raise NotImplementedError
+
+
+class MlpTrunk(Trunk):
+    """Fully connected layers over the live inputs."""
+
+    def __init__(self, observation_space: spaces.Box, settings: Settings) -> None:
+        super().__init__(observation_space, settings, settings.hidden[-1])
+        self.layers = _dense((len(self.live), *settings.hidden))
+
+    def features(self, seen: torch.Tensor) -> torch.Tensor:
+        """Gives the last layer's values; see `Trunk.features`."""
+        x = seen.float()
+        for layer in self.layers:
+            x = torch.relu(layer(x))
+        return x
+
+    def weights(self) -> dict[str, torch.Tensor]:
+        """The first layer is spread over the whole observation again, with zeros where the trunk does not look."""
+        weights = _named("trunk", self.layers)
+        narrow = weights["trunk.0.weight"]  # (width, L)
+        whole = narrow.new_zeros(len(narrow), self._observation_space_size())
+        whole[:, self.live] = narrow
+        return weights | {"trunk.0.weight": whole}
+
+    def _observation_space_size(self) -> int:
+        return spaces.flatdim(self._observation_space)
+
+
+class CnnTrunk(Trunk):
+    """Three convolutions, the last one without padding, then fully connected layers (Carroll et al. 2019, appendix A).
+
+    The first convolution is computed as one matrix product from the live inputs, with a matrix put together out of the
+    kernel, plus the convolution of the inputs that never change, once for a whole batch: the same numbers at a
+    fraction of the multiplications.
+
+    With `stack_states` the four states share the convolutions, and the three older ones then pass one small layer
+    that the current one does not (thesis, 7.4).
+    """
+
+    taps: torch.Tensor
+    fixed: torch.Tensor
+
+    def __init__(self, observation_space: spaces.Box, settings: Settings) -> None:
+        super().__init__(observation_space, settings, settings.hidden[-1])
+        *states, planes, height, width = observation_space.shape or ()
+        self._states = states[0] if states else 1
+        self._image = planes, height, width
+        layout = Layout.load(settings.layout)
+        one = "lossless" if states else settings.observation
+        sources = torch.from_numpy(live_sources(layout, one))
+        fixed = torch.from_numpy(fixed_inputs(layout, one)).view(1, planes, height, width)
+        self.register_buffer("fixed", fixed, persistent=False)
+        self.register_buffer("taps", _taps(sources, self._image), persistent=False)
+        filters = settings.filters
+        self.first = torch.nn.Conv2d(planes, filters, 5, padding=2)
+        self.second = torch.nn.Conv2d(filters, filters, 3, padding=1)
+        self.third = torch.nn.Conv2d(filters, filters, 3)
+        flat = filters * (height - 2) * (width - 2)
+        self.previous = torch.nn.Linear(flat, settings.previous) if states else None
+        joined = flat + (self._states - 1) * settings.previous
+        self.layers = _dense((joined, *settings.hidden))
+
+    def features(self, seen: torch.Tensor) -> torch.Tensor:
+        """Gives the last layer's values; see `Trunk.features`."""
+        x = self._convolve(seen.reshape(len(seen) * self._states, -1)).view(len(seen), self._states, -1)
+        if self.previous is None:
+            x = x[:, 0]
+        else:
+            older = torch.nn.functional.leaky_relu(self.previous(x[:, 1:]))
+            x = torch.cat((x[:, 0], older.flatten(1)), 1)
+        for layer in self.layers:
+            x = torch.nn.functional.leaky_relu(layer(x))
+        return x
+
+    def weights(self) -> dict[str, torch.Tensor]:
+        """Gives `conv.*`, `previous.*` and `trunk.*`."""
+        previous = {} if self.previous is None else _named("previous", [self.previous], numbered=False)
+        return {**_named("conv", (self.first, self.second, self.third)), **previous, **_named("trunk", self.layers)}
+
+    def _convolve(self, seen: torch.Tensor) -> torch.Tensor:
+        """Gives the flattened output of the convolutions, (B, F H' W'), of single states (B, L)."""
+        first = self.first
+        _, height, width = self._image
+        kernel = torch.nn.functional.pad(first.weight.flatten(1), (0, 1))  # (F, C 25 + 1), the last one zero
+        # taps: (k, L, H W); several inputs may show one live value
+        matrix = kernel[:, self.taps].sum(1).permute(1, 0, 2).reshape(self.taps.shape[1], -1)  # (L, F H W)
+        still = torch.nn.functional.conv2d(self.fixed, first.weight, first.bias, padding=2)  # (1, F, H, W)
+        x = torch.addmm(still.view(1, -1), seen.float(), matrix).view(len(seen), -1, height, width)
+        x = torch.nn.functional.leaky_relu(x)
+        x = torch.nn.functional.leaky_relu(self.second(x))
+        return torch.nn.functional.leaky_relu(self.third(x)).flatten(1)
+
+
+class TrunkPolicy(ActorCriticPolicy):
+    """SB3's policy over a `Trunk`, without SB3's preprocessing of observations."""
+
+    features_extractor: Trunk
+
+    def extract_features(
+        self, obs: PyTorchObs, features_extractor: BaseFeaturesExtractor | None = None
+    ) -> torch.Tensor:
+        """Gives the trunk's values for whole uint8 observations."""
+        assert isinstance(obs, torch.Tensor)
+        return self.features_extractor(obs)  # type: ignore[no-any-return]
+
+    def compact(self, observations: torch.Tensor) -> torch.Tensor:
+        """Gives what `judge` reads, (B, L)."""
+        return self.features_extractor.compact(observations)
+
+    def judge(self, seen: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """Gives the log-probabilities of all actions, (B, 6), and the values, (B,), of compact observations."""
+        x = self.features_extractor.features(seen)
+        return torch.log_softmax(self.action_net(x), 1), self.value_net(x).squeeze(1)
+
+    def actor_weights(self) -> dict[str, torch.Tensor]:
+        """Gives the actor's tensors under the names of its frozen architecture."""
+        assert isinstance(self.action_net, torch.nn.Linear)
+        assert self.action_net.out_features == NUM_ACTIONS
+        weights = self.features_extractor.weights() | _named("action", [self.action_net], numbered=False)
+        return {name: tensor.detach().cpu().clone() for name, tensor in weights.items()}
+
+
+TRUNKS: dict[str, type[Trunk]] = {"mlp": MlpTrunk, "cnn": CnnTrunk}
+"""The value of `network` -> what computes it."""
+
+
+def policy_kwargs(settings: Settings) -> dict[str, Any]:
+    """Gives SB3's `policy_kwargs` for a `TrunkPolicy`."""
+    return {
+        "features_extractor_class": TRUNKS[settings.network],
+        "features_extractor_kwargs": {"settings": settings},
+        "net_arch": [],
+        "optimizer_kwargs": {"eps": 1e-5, "fused": True},
+    }
+
+
+def _dense(widths: tuple[int, ...]) -> torch.nn.ModuleList:
+    return torch.nn.ModuleList([torch.nn.Linear(a, b) for a, b in pairwise(widths)])
+
+
+def _named(name: str, layers: Any, numbered: bool = True) -> dict[str, torch.Tensor]:
+    return {
+        f"{name}{f'.{i}' if numbered else ''}.{part}": getattr(layer, part)
+        for i, layer in enumerate(layers)
+        for part in ("weight", "bias")
+    }
+
+
+def _taps(sources: torch.Tensor, image: tuple[int, int, int]) -> torch.Tensor:
+    """Says which entry of a 5x5 kernel leads from each live input to each output cell.
+
+    Args:
+        sources: (C H W,) position of each input among the L live ones, -1 where it never changes.
+        image: C, H, W.
+
+    Returns:
+        (k, L, H W) indices into a kernel flattened to (C 25), C 25 where none does; k inputs at most show one value.
+    """
+    planes, height, width = image
+    none = planes * 25
+    places = [torch.nonzero(sources == i).flatten().tolist() for i in range(int(sources.max()) + 1)]
+    taps = torch.full((max(map(len, places)), len(places), height * width), none)
+    for i, cells in enumerate(places):
+        for k, cell in enumerate(cells):
+            plane, y, x = cell // (height * width), cell // width % height, cell % width
+            for out in range(height * width):
+                dy, dx = y - out // width + 2, x - out % width + 2
+                if 0 <= dy < 5 and 0 <= dx < 5:
+                    taps[k, i, out] = plane * 25 + dy * 5 + dx
+    return taps

@@ -1,0 +1,137 @@
+"""What every PPO run can be told, with the values of the `fast` configuration as defaults."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """Trains a policy by PPO."""
+
+    layout: str
+    """Shipped layout, grid text or `.layout` file."""
+    seed: int = 0
+    """Which of your runs this is; the generator's seed is a hash of it with layout and method."""
+    steps: int = 1_000_000
+    """Joint steps of training."""
+    num_kitchens: int = 64
+    """Kitchens that are played at the same time."""
+    rollout: int = 200
+    """Steps of each kitchen between updates."""
+    epochs: int = 4
+    """Passes over a rollout."""
+    minibatches: int = 16
+    """Parts that a pass is cut into."""
+    learning_rate: float = 2e-3
+    """Of Adam at the start; changes linearly."""
+    learning_rate_end: float = 0.0
+    """Of Adam at the end."""
+    gamma: float = 0.99
+    """Discount of a step."""
+    gae_lambda: float = 0.95
+    """Generalised advantage estimation."""
+    clip: float = 0.2
+    """PPO's clipping range."""
+    value_coefficient: float = 0.05
+    """Weight of the critic's loss; at 0.5 its gradient, clipped with the actor's, leaves the actor standing."""
+    max_grad_norm: float = 0.5
+    """Longest gradient."""
+    entropy_start: float = 0.03
+    """Coefficient of the entropy bonus at the start; changes linearly."""
+    entropy_end: float = 0.01
+    """Coefficient of the entropy bonus at the end."""
+    entropy_share: float = 1.0
+    """Share of the steps after which the entropy bonus stays at its end."""
+    shaping_share: float = 2 / 3
+    """Share of the steps after which partial rewards have faded, linearly, to nothing."""
+    network: Literal["mlp", "cnn"] = "mlp"
+    """Fully connected layers, or three convolutions before them."""
+    hidden: tuple[int, ...] = (64, 64)
+    """Width of the layers that actor and critic share."""
+    filters: int = 25
+    """Filters of each convolution (network cnn)."""
+    previous: int = 16
+    """Width of the small layer on each older state (network cnn, observation stack_states)."""
+    observation: Literal["lossless", "lossless26", "stack_channels", "stack_states"] = "lossless"
+    """What the policy sees."""
+    cooking: Literal["auto", "manual"] = "auto"
+    """Cooking mode."""
+    start: Literal["random", "standard"] = "random"
+    """Start states."""
+    object_probability: float = 0.0
+    """Chance of each pot and each pair of hands to be filled at the start."""
+    horizon: int = 400
+    """Steps of an episode."""
+    check_share: float = 0.0
+    """Share of the steps after which a run that delivers too little is restarted with a derived seed; 0 never."""
+    check_soups: float = 3.0
+    """Soups of an episode, on average, that the check asks for."""
+    restarts: int = 3
+    """Restarts at most; the last attempt goes on whatever the check says."""
+    snapshots: tuple[float, ...] = ()
+    """Shares of the steps at which the policy is saved beside the final one."""
+    threads: int = 1
+    """Threads of torch."""
+    device: Literal["cpu", "cuda"] = "cpu"
+    """Where the network is computed."""
+
+    def __post_init__(self) -> None:
+        """Refuses what PPO cannot be run with.
+
+        Raises:
+            ValueError: Names the setting and what it may be.
+        """
+        for name in ("num_kitchens", "rollout", "epochs", "minibatches", "horizon", "filters", "previous", "threads"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name}={getattr(self, name)}; give a number from 1")
+        for name in ("entropy_share", "shaping_share", "check_share", "object_probability"):
+            if not 0 <= getattr(self, name) <= 1:
+                raise ValueError(f"{name}={getattr(self, name)}; give a share from 0 to 1")
+        update = self.num_kitchens * self.rollout
+        if self.steps < 2 * update:
+            raise ValueError(f"steps={self.steps}; give at least two updates, {2 * update} joint steps")
+        rows = self.learning_seats * update
+        if rows % self.minibatches or rows == self.minibatches:
+            raise ValueError(
+                f"minibatches={self.minibatches}; give a divisor of the {rows} steps of {self.learners} in an update"
+            )
+        if not self.hidden or min(self.hidden) < 1:
+            raise ValueError(f"hidden={self.hidden}; give the width of each layer, from 1")
+        if any(not 0 <= share < 1 for share in self.snapshots):
+            raise ValueError(f"snapshots={self.snapshots}; give shares of the steps, from 0 and below 1")
+
+    @property
+    def learning_seats(self) -> int:
+        """Chefs of a kitchen whose experience is learned from."""
+        return 2
+
+    @property
+    def learners(self) -> str:
+        """The same in words."""
+        return "both chefs" if self.learning_seats == 2 else "the learner"
+
+    def shaping_at(self, done: int) -> float:
+        """Gives the weight of partial rewards after `done` joint steps."""
+        return max(0.0, 1 - done / max(1.0, self.shaping_share * self.steps))
+
+    def entropy_at(self, done: int) -> float:
+        """Gives the coefficient of the entropy bonus after `done` joint steps."""
+        passed = min(1.0, done / max(1.0, self.entropy_share * self.steps))
+        return self.entropy_start + (self.entropy_end - self.entropy_start) * passed
+
+    def learning_rate_at(self, left: float) -> float:
+        """Gives the learning rate where the share `left` of the steps is left, as stable-baselines3 counts them.
+
+        The last rollout may end after `steps`, with less than nothing left.
+        """
+        return self.learning_rate_end + (self.learning_rate - self.learning_rate_end) * max(0.0, left)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PartnerSettings(Settings):
+    """Settings of a learner on one seat, with a partner of the environment on the other."""
+
+    @property
+    def learning_seats(self) -> int:
+        """One: the other chef is a partner's."""
+        return 1

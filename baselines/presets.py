@@ -1,0 +1,120 @@
+"""Named configurations of the training methods: `configs/<method>.yaml`, a mapping from names to settings.
+
+A configuration says where it differs from the method's defaults; `extends: other` starts from another one of the file.
+"""
+
+import difflib
+import types
+from dataclasses import MISSING, fields
+from importlib import import_module
+from importlib.resources import files
+from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+import yaml
+
+from .learning.settings import Settings
+from .methods import METHODS
+
+AnySettings = TypeVar("AnySettings", bound=Settings)
+
+
+class PresetError(ValueError):
+    """There is no such method or configuration, or its file is wrong; says what to write instead."""
+
+
+def config_names(method: str) -> tuple[str, ...]:
+    """Lists the configurations of a method; the first one is the default."""
+    return tuple(_read(method))
+
+
+def config_class(method: str) -> type[Settings]:
+    """Gives the settings class of a method.
+
+    Raises:
+        PresetError: There is no such method.
+    """
+    if method not in METHODS:
+        raise PresetError(f"no training method named {method!r}; there is {', '.join(METHODS)}")
+    kind: type[Settings] = import_module(f"{__package__}.{METHODS[method]}").Config
+    return kind
+
+
+def load_config(method: str, name: str = "", /, **overrides: Any) -> Settings:
+    """Makes the settings of a named configuration.
+
+    Args:
+        method: A training method.
+        name: One of its configurations, the first one by default.
+        overrides: Settings that replace the configuration's; `layout` is among them.
+
+    Raises:
+        PresetError: Unknown method, configuration or setting.
+        ValueError: A setting is out of range.
+    """
+    kind = config_class(method)
+    settings = {**named_settings(method, name), **overrides}
+    return kind(**checked(kind, settings, f"{method}, configuration {name or config_names(method)[0]!r}"))
+
+
+def named_settings(method: str, name: str = "") -> dict[str, Any]:
+    """Gives what a configuration sets.
+
+    Raises:
+        PresetError: There is no such configuration.
+    """
+    known = _read(method)
+    name = name or next(iter(known))
+    if name not in known:
+        near = difflib.get_close_matches(name, known, n=1)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        raise PresetError(f"{method} has no configuration {name!r}; {hint}there is {', '.join(known)}")
+    own = dict(known[name] or {})
+    base = own.pop("extends", None)
+    return {**(named_settings(method, base) if base else {}), **own}
+
+
+def checked(kind: type[Settings], settings: dict[str, Any], where: str) -> dict[str, Any]:
+    """Gives settings as their class wants them: lists as tuples, whole numbers as floats where these are asked for.
+
+    Raises:
+        PresetError: A setting is unknown, missing or of another type.
+    """
+    hints = get_type_hints(kind)
+    known = {f.name: hints[f.name] for f in fields(kind)}
+    for key in settings:
+        if key not in known:
+            near = difflib.get_close_matches(key, known, n=1)
+            hint = f"; did you mean {near[0]!r}?" if near else f"; there is {', '.join(known)}"
+            raise PresetError(f"{where}: unknown setting {key!r}{hint}")
+    for f in fields(kind):
+        if f.default is MISSING and f.default_factory is MISSING and f.name not in settings:
+            raise PresetError(f"{where}: the setting {f.name!r} is missing")
+    return {key: _fitted(known[key], value, f"{where}, {key}") for key, value in settings.items()}
+
+
+def _fitted(hint: Any, value: Any, where: str) -> Any:
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin in (Union, types.UnionType):
+        if value is None and type(None) in inner:
+            return None
+        return _fitted(next(kind for kind in inner if kind is not type(None)), value, where)
+    if origin is Literal and value in inner:
+        return value
+    if origin is tuple and isinstance(value, list | tuple):
+        return tuple(_fitted(inner[0], entry, where) for entry in value)
+    if origin is dict and isinstance(value, dict):
+        return {_fitted(inner[0], k, where): _fitted(inner[1], v, where) for k, v in value.items()}
+    if hint is float and isinstance(value, int | float) and not isinstance(value, bool):
+        return float(value)
+    if isinstance(hint, type) and isinstance(value, hint) and not (hint is int and isinstance(value, bool)):
+        return value
+    raise PresetError(f"{where}: {value!r} is not {hint.__name__ if isinstance(hint, type) else hint}")
+
+
+def _read(method: str) -> dict[str, Any]:
+    config_class(method)
+    file = files(__package__ or "").joinpath("configs", f"{method}.yaml")
+    content = yaml.safe_load(file.read_text(encoding="utf-8"))
+    if not isinstance(content, dict) or not content:
+        raise PresetError(f"{method}.yaml: give a mapping from names of configurations to their settings")
+    return content
