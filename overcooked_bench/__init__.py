@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
     from overcooked_bench.kitchen.layout import Layout, LayoutError
     from overcooked_bench.kitchen.state import Chef, KitchenState, Soup
+    from overcooked_bench.scenarios.runner import run_scenarios
 
 _HOMES = {
     "Chef": "kitchen.state",
@@ -29,6 +30,7 @@ _HOMES = {
     "load_agent": "agents.catalogue",
     "parallel_env": "envs.parallel",
     "play_episodes": "evaluation.play",
+    "run_scenarios": "scenarios.runner",
 }
 
 register_environments()
@@ -45,6 +47,7 @@ __all__ = [
     "load_agent",
     "parallel_env",
     "play_episodes",
+    "run_scenarios",
 ]
 
 

@@ -26,7 +26,7 @@ HORIZON: Final = 400
 JointAction = tuple[int, int]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scenario:
     """One edge case. A is the tested agent, B its partner.
 
@@ -82,7 +82,7 @@ class Scenario:
         return Situation(self, seat, mirrored, layout, state, behaviour, accept, never, before)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Situation:
     """A scenario from one seat, in the plain or the mirrored kitchen.
 

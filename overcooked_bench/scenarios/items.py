@@ -1,0 +1,190 @@
+"""What is counted: a scenario from one seat in one mirror, or both halves of a pair together; and how to choose."""
+
+import difflib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from functools import lru_cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Final
+
+from overcooked_bench.scenarios.errors import ScenarioError
+from overcooked_bench.scenarios.loading import SUFFIX, load_scenario
+from overcooked_bench.scenarios.scenario import CATEGORIES, SEATS, Scenario, Situation
+
+PAIR: Final = "-pair"
+HALVES: Final = 2
+_PACKAGE: Final = "overcooked_bench.unit_scenarios"
+
+Select = str | Path | Sequence[str | Path] | None
+"""Which items: None for all that ship, or one or more of: an item's id, a scenario's id or its beginning up to a `-`, a
+category, a family, a tag, a pattern with `*`, the path of a file or a folder."""
+
+
+@dataclass(frozen=True)
+class Item:
+    """What an agent passes or fails as a whole.
+
+    Attributes:
+        id: `<scenario>-seat0`, `<scenario>-seat1-mirrored`, or `<pair>-pair`.
+        situations: What is played: one situation, or both halves of a pair, each from both seats.
+        family: The unit of the score by family.
+        tags: Words to select by.
+    """
+
+    id: str
+    situations: tuple[Situation, ...]
+    family: str
+    tags: tuple[str, ...]
+
+    @property
+    def scenarios(self) -> tuple[Scenario, ...]:
+        """The scenarios in it, each once."""
+        return tuple({situation.scenario.id: situation.scenario for situation in self.situations}.values())
+
+    @property
+    def category(self) -> str:
+        """One of `CATEGORIES`."""
+        return self.situations[0].scenario.category
+
+    @property
+    def is_pair(self) -> bool:
+        """Whether it is two scenarios that count together."""
+        return len(self.situations) > 1
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether it is played in the mirrored kitchen."""
+        return self.situations[0].mirrored
+
+    @property
+    def seat(self) -> int | None:
+        """A's seat; None for pairs, which are played from both."""
+        return None if self.is_pair else self.situations[0].seat
+
+
+def items(scenarios: Iterable[Scenario]) -> list[Item]:
+    """Gives all items of some scenarios, sorted by id.
+
+    Raises:
+        ScenarioError: An id occurs twice, or a pair has not two halves of one category.
+    """
+    known: dict[str, Scenario] = {}
+    pairs: dict[str, list[Scenario]] = {}
+    found: list[Item] = []
+    for scenario in scenarios:
+        if known.setdefault(scenario.id, scenario) is not scenario:
+            raise ScenarioError(
+                f"{scenario.source}: the id {scenario.id} is taken by {known[scenario.id].source}; rename one of them"
+            )
+        if scenario.pair:
+            pairs.setdefault(scenario.pair, []).append(scenario)
+            continue
+        for seat in SEATS:
+            for mirrored in (False, True):
+                situation = scenario.seated(seat, mirrored)
+                found.append(Item(situation.id, (situation,), scenario.family, scenario.tags))
+    for name, halves in pairs.items():
+        found.append(_pair(name, halves))
+    return sorted(found, key=lambda item: item.id)
+
+
+def load_scenarios(select: Select = None) -> list[Scenario]:
+    """Reads scenarios.
+
+    Args:
+        select: As for `load_items`; the scenarios of all items that are chosen.
+
+    Raises:
+        ScenarioError: A file is wrong, or nothing is chosen.
+    """
+    chosen = {scenario.id: scenario for item in load_items(select) for scenario in item.scenarios}
+    return [chosen[name] for name in sorted(chosen)]
+
+
+def load_items(select: Select = None) -> list[Item]:
+    """Reads scenarios and gives items, sorted by id.
+
+    Args:
+        select: Which ones; see `Select`.
+
+    Raises:
+        ScenarioError: A file is wrong, or something that is asked for does not exist; says what is near.
+    """
+    if select is None:
+        return list(_shipped())
+    wanted = [select] if isinstance(select, str | Path) else list(select)
+    paths = [Path(entry) for entry in wanted if _is_path(entry)]
+    words = [str(entry) for entry in wanted if not _is_path(entry)]
+    own = items(scenario for scenario in read_files(paths)) if paths else []
+    for word in words:
+        chosen = [item for item in _shipped() if _fits(item, word)]
+        if not chosen:
+            raise ScenarioError(_nothing(word))
+        own += chosen
+    return sorted({item.id: item for item in own}.values(), key=lambda item: item.id)
+
+
+def read_files(paths: Iterable[Path]) -> list[Scenario]:
+    """Reads files, and all `.yaml` files directly in folders; a pair's other half is looked for beside it.
+
+    Raises:
+        ScenarioError: There is no such file, no scenario in a folder, or a file is wrong.
+    """
+    found: dict[Path, Scenario] = {}
+    for path in paths:
+        inside = sorted(path.glob(f"*{SUFFIX}")) if path.is_dir() else [path]
+        if not inside:
+            raise ScenarioError(f"{path}: no scenarios in this folder; they are files that end in {SUFFIX}")
+        for file in inside:
+            found.setdefault(file.resolve(), load_scenario(file))
+    for scenario in list(found.values()):
+        if scenario.pair and sum(other.pair == scenario.pair for other in found.values()) < HALVES:
+            for file in sorted(Path(scenario.source).parent.glob(f"*{SUFFIX}")):
+                if f"pair: {scenario.pair}" in file.read_text("utf-8", errors="replace"):
+                    found.setdefault(file.resolve(), load_scenario(file))
+    return list(found.values())
+
+
+def shipped_folder() -> Path:
+    """Gives the folder of the scenarios that ship."""
+    return Path(str(files(_PACKAGE)))
+
+
+@lru_cache(1)
+def _shipped() -> tuple[Item, ...]:
+    return tuple(items(read_files([shipped_folder()])))
+
+
+def _pair(name: str, halves: list[Scenario]) -> Item:
+    first = halves[0]
+    if len(halves) != HALVES:
+        told = ", ".join(sorted(scenario.id for scenario in halves))
+        raise ScenarioError(f"{first.source}: the pair {name} has {len(halves)} scenarios ({told}); a pair has two")
+    if halves[0].category != halves[1].category:
+        raise ScenarioError(f"{first.source}: the halves of the pair {name} have different categories; give them one")
+    played = tuple(half.seated(seat) for half in sorted(halves, key=lambda s: s.id) for seat in SEATS)
+    tags = tuple(sorted({tag for half in halves for tag in half.tags}))
+    return Item(name + PAIR, played, name.partition("-")[0], tags)
+
+
+def _is_path(entry: str | Path) -> bool:
+    if isinstance(entry, Path) or entry.endswith(SUFFIX) or "/" in entry:
+        return True
+    return Path(entry).is_dir() and not any(_fits(item, entry) for item in _shipped())
+
+
+def _fits(item: Item, word: str) -> bool:
+    names = {item.id, item.category, item.family, *item.tags, *(scenario.id for scenario in item.scenarios)}
+    return word in names or item.id.startswith(f"{word}-") or fnmatchcase(item.id, word)
+
+
+def _nothing(word: str) -> str:
+    known = sorted({scenario.id for item in _shipped() for scenario in item.scenarios})
+    near = difflib.get_close_matches(word, [*known, *CATEGORIES], n=3, cutoff=0.4)
+    hint = f"did you mean {' or '.join(near)}? " if near else ""
+    return (
+        f"no scenario fits {word!r}; {hint}Give an id or its beginning (C04), a category ({', '.join(CATEGORIES)}), a "
+        "family, a tag, a pattern with *, or the path of a .yaml file"
+    )

@@ -1,0 +1,286 @@
+"""What came of a run of the suite: item by item, and by category and family, ready for JSON."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import sqrt
+from typing import Any, Final, Literal, NamedTuple
+
+from overcooked_bench.scenarios.items import Item
+from overcooked_bench.scenarios.judge import Run, replay
+from overcooked_bench.scenarios.scenario import CATEGORIES, Situation
+
+SCHEMA: Final = 1
+"""Version of `SuiteResult.to_dict`; it goes up when a key changes its meaning or is gone."""
+
+PASS_RATE: Final = 0.8
+"""The share of runs that has to pass."""
+
+Status = Literal["passed", "failed", "not attempted"]
+
+_Z: Final = 1.959963984540054  # the 0.975-quantile of the standard normal distribution
+
+
+class Rate(NamedTuple):
+    """A share with its 95 % interval.
+
+    Attributes:
+        value: From 0 to 1.
+        low: Lower end.
+        high: Upper end.
+    """
+
+    value: float
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        return f"{self.value:.2f} [{self.low:.2f}, {self.high:.2f}]"
+
+
+def wilson(passed: float, n: int) -> Rate:
+    """Gives a share and its Wilson 95 % interval.
+
+    Args:
+        passed: How many passed; also a fraction, where families count in part.
+        n: Of how many; with 0 nothing is known.
+
+    Source: Wilson 1927, "Probable inference, the law of succession, and statistical inference".
+    """
+    if not n:
+        return Rate(0.0, 0.0, 1.0)
+    share, weight = passed / n, 1 + _Z**2 / n
+    middle = (share + _Z**2 / (2 * n)) / weight
+    half = _Z / weight * sqrt(share * (1 - share) / n + _Z**2 / (4 * n**2))
+    return Rate(share, max(0.0, middle - half), min(1.0, middle + half))
+
+
+class Failure(NamedTuple):
+    """The first run of an item that failed.
+
+    Attributes:
+        situation: What was played.
+        budget: Steps that A had.
+        repeat: Which repeat, from 0.
+        seed: A's seed in it.
+        actions: Joint actions by seat, `before` first, to the end of the budget.
+    """
+
+    situation: Situation
+    budget: int
+    repeat: int
+    seed: int
+    actions: tuple[tuple[int, int], ...]
+
+    def run(self) -> Run:
+        """Plays it again and looks closely."""
+        return replay(self.situation, self.budget, self.actions)
+
+
+@dataclass(frozen=True, eq=False)
+class ItemResult:
+    """What came of one item.
+
+    Attributes:
+        item: The item.
+        status: "passed", "failed", or "not attempted" where the agent does not know the kitchen: failed, too.
+        runs: Runs of each situation; 1 where the agent is deterministic, 0 where it was not attempted.
+        passes: Runs that passed; of a pair, in its worst situation.
+        deterministic: Whether runs with other seeds were the same, so that one is exact.
+        adapted: Whether the agent was shown the mirrored kitchen mirrored back.
+        budget: Steps that A had; of a pair, the greatest.
+        steps: T*, where the lock file knows it; of a pair, the greatest.
+        failure: The first run that failed.
+        reason: Why it was not attempted.
+    """
+
+    item: Item
+    status: Status
+    runs: int
+    passes: int
+    deterministic: bool
+    adapted: bool
+    budget: int
+    steps: int | None
+    failure: Failure | None = None
+    reason: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether it was."""
+        return self.status == "passed"
+
+    @property
+    def rate(self) -> Rate:
+        """The share of runs that passed; exact, without a width, where the agent is deterministic."""
+        if self.deterministic or not self.runs:
+            return Rate(float(self.passes), float(self.passes), float(self.passes))
+        return wilson(self.passes, self.runs)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Gives everything that JSON can hold."""
+        rate, failure = self.rate, self.failure
+        return {
+            "id": self.item.id,
+            "scenarios": [scenario.id for scenario in self.item.scenarios],
+            "category": self.item.category,
+            "family": self.item.family,
+            "tags": list(self.item.tags),
+            "layout": self.item.situations[0].layout.name,
+            "cooking": self.item.situations[0].scenario.cooking,
+            "seat": self.item.seat,
+            "mirrored": self.item.mirrored,
+            "pair": self.item.is_pair,
+            "status": self.status,
+            "adapted": self.adapted,
+            "deterministic": self.deterministic,
+            "runs": self.runs,
+            "passes": self.passes,
+            "rate": rate.value,
+            "wilson_low": rate.low,
+            "wilson_high": rate.high,
+            "budget": self.budget,
+            "shortest": self.steps,
+            "reason": self.reason,
+            "failure": failure
+            and {
+                "situation": failure.situation.id,
+                "repeat": failure.repeat,
+                "seed": failure.seed,
+                "actions": [list(joint) for joint in failure.actions],
+            },
+        }
+
+
+class Tally(NamedTuple):
+    """Several items together.
+
+    Attributes:
+        n: Items.
+        passed: Items that were passed.
+        not_attempted: Items of kitchens that the agent does not know; they count as failed.
+        adapted: Items that were played with the mirrored kitchen mirrored back.
+        score: The mean over families of the share passed, with the Wilson interval for so many families: items of one
+            family are alike, and their number says little.
+        mean_rate: The mean over families of the runs' pass rates: the same, less coarse.
+        families: How many.
+    """
+
+    n: int
+    passed: int
+    not_attempted: int
+    adapted: int
+    score: Rate
+    mean_rate: float
+    families: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Gives everything that JSON can hold."""
+        return {**self._asdict(), "score": self.score._asdict()}
+
+
+@dataclass(frozen=True, eq=False)
+class SuiteResult:
+    """What came of a run of the suite.
+
+    Attributes:
+        agent: What the agent is called.
+        mode: How frozen policies act: "sample" or "greedy".
+        repeats: Runs of each situation for agents that are not deterministic.
+        training_seed: Which training run of a submission.
+        warmup: How often the first view was shown before the agent was asked for the first time.
+        sequential: Whether an item's runs ended once its verdict was certain.
+        items: One by one, sorted by id.
+    """
+
+    agent: str
+    mode: str
+    repeats: int
+    training_seed: int
+    warmup: int
+    sequential: bool
+    items: tuple[ItemResult, ...] = field(repr=False)
+
+    @property
+    def n(self) -> int:
+        """Items."""
+        return len(self.items)
+
+    @property
+    def passed(self) -> int:
+        """Items that were passed."""
+        return sum(result.passed for result in self.items)
+
+    @cached_property
+    def total(self) -> Tally:
+        """All of them together."""
+        return _tally(self.items)
+
+    @cached_property
+    def by_category(self) -> dict[str, Tally]:
+        """Each category that was played, in the order of `CATEGORIES`."""
+        found = self._by(lambda item: item.category)
+        return {category: found[category] for category in CATEGORIES if category in found}
+
+    @cached_property
+    def by_family(self) -> dict[str, Tally]:
+        """Each family."""
+        return self._by(lambda item: item.family)
+
+    def result(self, item: str) -> ItemResult:
+        """Gives an item's result by its id.
+
+        Raises:
+            KeyError: It was not played.
+        """
+        return next((result for result in self.items if result.item.id == item), None) or _missing(item)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Gives everything that JSON can hold."""
+        from importlib.metadata import version
+
+        return {
+            "schema": SCHEMA,
+            "package": f"overcooked-bench {version('overcooked-bench')}",
+            "agent": self.agent,
+            "mode": self.mode,
+            "repeats": self.repeats,
+            "training_seed": self.training_seed,
+            "warmup": self.warmup,
+            "sequential": self.sequential,
+            "pass_rate": PASS_RATE,
+            "n": self.n,
+            "passed": self.passed,
+            "total": self.total.to_dict(),
+            "by_category": {name: tally.to_dict() for name, tally in self.by_category.items()},
+            "by_family": {name: tally.to_dict() for name, tally in self.by_family.items()},
+            "items": [result.to_dict() for result in self.items],
+        }
+
+    def _by(self, key: Callable[[Item], str]) -> dict[str, Tally]:
+        groups: dict[str, list[ItemResult]] = {}
+        for result in self.items:
+            groups.setdefault(key(result.item), []).append(result)
+        return {name: _tally(groups[name]) for name in sorted(groups)}
+
+
+def _tally(results: Iterable[ItemResult]) -> Tally:
+    found = list(results)
+    families: dict[str, list[ItemResult]] = {}
+    for result in found:
+        families.setdefault(result.item.family, []).append(result)
+    shares = [sum(r.passed for r in group) / len(group) for group in families.values()]
+    rates = [sum(r.rate.value for r in group) / len(group) for group in families.values()]
+    return Tally(
+        n=len(found),
+        passed=sum(result.passed for result in found),
+        not_attempted=sum(result.status == "not attempted" for result in found),
+        adapted=sum(result.adapted for result in found),
+        score=wilson(sum(shares), len(shares)),
+        mean_rate=sum(rates) / len(rates) if rates else 0.0,
+        families=len(families),
+    )
+
+
+def _missing(item: str) -> ItemResult:
+    raise KeyError(f"no item {item!r} was played")

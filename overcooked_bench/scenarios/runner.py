@@ -1,0 +1,317 @@
+"""Plays an agent through scenarios: all runs that share a kitchen at once."""
+
+import hashlib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from math import ceil
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overcooked_bench.agents.agent import GameError, UnknownLayout
+from overcooked_bench.agents.checks import AgentError, check_actions, check_agent
+from overcooked_bench.kitchen.kitchens import HISTORY, STACKED
+from overcooked_bench.scenarios.entrants import AgentFactory, agent_factory, ways
+from overcooked_bench.scenarios.errors import ScenarioFault
+from overcooked_bench.scenarios.items import Item, Select, load_items
+from overcooked_bench.scenarios.lock import entry_of, lock_path, read_lock
+from overcooked_bench.scenarios.results import PASS_RATE, Failure, ItemResult, SuiteResult
+from overcooked_bench.scenarios.scenario import Situation
+from overcooked_bench.scenarios.stage import Part, Stage
+
+if TYPE_CHECKING:
+    from overcooked_bench.agents.agent import Agent
+    from overcooked_bench.agents.neural import Mode
+
+REPEATS: Final = 20
+MOST_ROWS: Final = 4096
+"""Kitchens in one batch."""
+
+_PROBES: Final = 2  # runs with other seeds; an agent that acts alike in all of them is deterministic
+_SEQUENCE: Final = 4  # repeats between two looks at what is decided already
+
+_Group = tuple[str, str, bool]  # layout, cooking, mirrored
+
+
+def run_scenarios(
+    agent: str | Path | AgentFactory,
+    select: Select = None,
+    repeats: int = REPEATS,
+    mode: "Mode" = "sample",
+    *,
+    training_seed: int = 0,
+    warmup: int = 0,
+    sequential: bool = False,
+    name: str | None = None,
+) -> SuiteResult:
+    """Plays an agent through scenarios and says which it passes.
+
+    Args:
+        agent: What `load_agent` takes: a name, a policy's file, a submission; a name such as `dev-v0/{layout}/sp-0`;
+            or a function `make_agent(layout, training_seed)`.
+        select: Which items; all that ship by default. An id or its beginning (`"C04"`), a category, a family, a tag, a
+            pattern with `*`, the path of a file or a folder; or a list of such.
+        repeats: Runs of each situation, for agents that are not deterministic.
+        mode: How frozen policies act: "sample" or "greedy".
+        training_seed: Which of a submission's training runs.
+        warmup: How often agents are shown the first view, their answers ignored, before they are asked.
+        sequential: Whether to stop an item's runs once its verdict is certain; the rates are rougher then.
+        name: What to call the agent; by default what was given.
+
+    Raises:
+        ScenarioError: A scenario is wrong, or nothing fits `select`.
+        ScenarioFault: The agent broke the contract.
+        AgentError: The agent cannot be loaded.
+
+    Example:
+        ```python
+        from overcooked_bench import run_scenarios
+
+        result = run_scenarios("greedy", select="convention")
+        print(result.passed, "of", result.n)
+        ```
+    """
+    chosen = load_items(select)
+    results = run_items(
+        agent_factory(agent, mode),
+        *(chosen, repeats),
+        training_seed=training_seed,
+        warmup=warmup,
+        sequential=sequential,
+    )
+    called = name or str(agent if isinstance(agent, str | Path) else getattr(agent, "__name__", agent))
+    return SuiteResult(called, mode, repeats, training_seed, warmup, sequential, tuple(results))
+
+
+def run_items(
+    make_agent: AgentFactory,
+    items: Sequence[Item],
+    repeats: int = REPEATS,
+    *,
+    training_seed: int = 0,
+    warmup: int = 0,
+    sequential: bool = False,
+    on_progress: Callable[[int, int], None] = lambda *_: None,
+) -> list[ItemResult]:
+    """Plays items; `run_scenarios` tells the arguments.
+
+    Args:
+        make_agent: Makes an agent for a layout's name and a training seed.
+        items: What is played.
+        repeats: Runs of each situation.
+        training_seed: Handed to `make_agent`.
+        warmup: First views shown before.
+        sequential: Whether to stop early.
+        on_progress: Called with the kitchens that are done, and of how many.
+
+    Returns:
+        A result for each item, in their order.
+
+    Raises:
+        ScenarioError: A scenario cannot be solved, so that it has no budget.
+        ScenarioFault: The agent broke the contract.
+    """
+    for name, value, least in (("repeats", repeats, 1), ("warmup", warmup, 0)):
+        if value < least:
+            raise ValueError(f"{name}={value!r}; give a whole number from {least}")
+    groups: dict[_Group, list[Situation]] = {}
+    for situation in {s.id: s for item in items for s in item.situations}.values():
+        key = situation.layout.name, situation.scenario.cooking, situation.mirrored
+        groups.setdefault(key, []).append(situation)
+    played: dict[str, _Played] = {}
+    for done, (_, situations) in enumerate(sorted(groups.items(), key=lambda entry: entry[0])):
+        on_progress(done, len(groups))
+        for part in _play_group(make_agent, situations, repeats, training_seed, warmup, sequential):
+            played[part.part.situation.id] = part
+    on_progress(len(groups), len(groups))
+    return [_result(item, [played[situation.id] for situation in item.situations], repeats) for item in items]
+
+
+def scenario_seed(scenario: str, repeat: int) -> int:
+    """Gives A's seed in a repeat of a scenario: the same for every agent, seat and mirror.
+
+    Args:
+        scenario: Its id.
+        repeat: From 0.
+    """
+    digest = hashlib.sha256(f"scenario/{scenario}/{repeat}".encode()).digest()
+    return int.from_bytes(digest[:8], "little")
+
+
+@dataclass(eq=False)
+class _Played:
+    """A situation's runs so far."""
+
+    part: Part
+    passed: list[bool] = field(default_factory=list)
+    failure: Failure | None = None
+    deterministic: bool = False
+    adapted: bool = False
+    reason: str = ""
+
+    def certain(self, repeats: int) -> bool:
+        """Whether no further run can change the verdict."""
+        needed = _needed(repeats)
+        return sum(self.passed) >= needed or len(self.passed) - sum(self.passed) > repeats - needed
+
+
+def _needed(runs: int) -> int:
+    """Gives how many of so many runs have to pass."""
+    return ceil(PASS_RATE * runs - 1e-9)
+
+
+def _result(item: Item, played: list[_Played], repeats: int) -> ItemResult:
+    scenarios = item.scenarios
+    steps = [entry.steps for s in scenarios if (entry := read_lock(lock_path(s)).entry(s))]
+    reason = next((part.reason for part in played if part.reason), "")
+    facts: dict[str, Any] = {
+        "item": item,
+        "adapted": any(part.adapted for part in played),
+        "budget": max(part.part.budget for part in played),
+        "steps": max(steps) if len(steps) == len(scenarios) else None,
+    }
+    if reason:
+        return ItemResult(status="not attempted", runs=0, passes=0, deterministic=False, reason=reason, **facts)
+    worst = min(played, key=lambda part: sum(part.passed) / len(part.passed))
+    deterministic = all(part.deterministic for part in played)
+    wanted = 1 if worst.deterministic else repeats
+    passed = sum(worst.passed) >= _needed(wanted)
+    return ItemResult(
+        status="passed" if passed else "failed",
+        runs=len(worst.passed),
+        passes=sum(worst.passed),
+        deterministic=deterministic,
+        failure=worst.failure,
+        **facts,
+    )
+
+
+def _play_group(
+    make_agent: AgentFactory,
+    situations: list[Situation],
+    repeats: int,
+    training_seed: int,
+    warmup: int,
+    sequential: bool,
+) -> list[_Played]:
+    """Plays situations of one kitchen."""
+    parts = [Part(situation, entry_of(situation.scenario).budget) for situation in situations]
+    parts.sort(key=lambda part: part.length)
+    layout = situations[0].layout
+    reason = ""
+    for make, adapted in ways(make_agent, situations[0], training_seed):
+        try:
+            agent = make()
+            check_agent(agent, f"make_agent({layout.name!r}, {training_seed})")
+            played = _play_parts(agent, parts, repeats, warmup, sequential)
+        except UnknownLayout as error:
+            reason = reason or str(error) or "it does not know this kitchen"
+            continue
+        for one in played:
+            one.adapted = adapted
+        return played
+    return [_Played(part, reason=reason) for part in parts]
+
+
+def _play_parts(agent: "Agent", parts: Sequence[Part], repeats: int, warmup: int, sequential: bool) -> list[_Played]:
+    """Plays two repeats of each part; where they differ anywhere, the others, too."""
+    played = [_Played(part) for part in parts]
+    probes = [_play(agent, chunk, range(min(_PROBES, repeats)), warmup) for chunk in _chunks(played, _PROBES)]
+    if repeats >= _PROBES and all(probes):
+        for one in played:
+            one.deterministic = True
+            del one.passed[1:]
+        return played
+    first = _PROBES
+    while first < repeats:
+        chunk = range(first, min(first + _SEQUENCE, repeats) if sequential else repeats)
+        going = [one for one in played if not (sequential and one.certain(repeats))]
+        for some in _chunks(going, len(chunk)):
+            _play(agent, some, chunk, warmup)
+        first = chunk.stop
+    return played
+
+
+def _chunks(played: Sequence[_Played], repeats: int) -> Iterator[Sequence[_Played]]:
+    """Deals parts out to batches of bounded size."""
+    size = max(1, MOST_ROWS // repeats)
+    for start in range(0, len(played), size):
+        yield played[start : start + size]
+
+
+def _play(agent: "Agent", played: Sequence[_Played], repeats: range, warmup: int) -> bool:
+    """Plays repeats of parts and adds to what is known of them; tells whether all repeats were the same."""
+    parts = [one.part for one in played]
+    seeds = np.array([[scenario_seed(p.situation.scenario.id, k) for k in repeats] for p in parts], np.uint64).ravel()
+    stage = _perform(agent, parts, seeds, len(repeats), warmup)
+    alike = True
+    for index, one in enumerate(played):
+        rows = slice(index * len(repeats), (index + 1) * len(repeats))
+        actions = stage.actions[: one.part.length, rows]
+        alike &= bool((actions == actions[:, :1]).all())
+        passed = stage.passed[rows].tolist()
+        if one.failure is None and not all(passed):
+            k = passed.index(False)
+            joint = tuple((int(a), int(b)) for a, b in actions[:, k])
+            one.failure = Failure(one.part.situation, one.part.budget, repeats[k], int(seeds[rows][k]), joint)
+        one.passed += passed
+    return alike
+
+
+def _perform(agent: "Agent", parts: Sequence[Part], seeds: NDArray[np.uint64], repeats: int, warmup: int) -> Stage:
+    """Plays all runs to their verdicts."""
+    stage = Stage(parts, repeats, HISTORY if agent.observation in STACKED else 0)
+    layout = stage.kitchens.layout
+    with _Blame(agent, "reset", stage):
+        agent.reset(layout.name, stage.seats.copy(), seeds)
+    if agent.observation != "state":
+        try:
+            stage.kitchens.observation_shape(agent.observation)
+        except ValueError as error:
+            raise ScenarioFault(f"its observation cannot be given on {layout.name}: {error}") from error
+    for time in range(-warmup, len(stage.actions)):
+        if stage.over:
+            break
+        seen = _seen(agent, stage)
+        with _Blame(agent, "act", stage):
+            answer = agent.act(seen)
+        try:
+            own = check_actions(answer, len(seeds), "its answer")
+        except AgentError as error:
+            raise ScenarioFault(_told(str(error).removeprefix("its answer: "), stage, None)) from None
+        if time >= 0:
+            stage.play(own)
+    return stage
+
+
+def _seen(agent: "Agent", stage: Stage) -> Any:
+    if agent.observation == "state":
+        return [stage.kitchens.state(row) for row in range(stage.kitchens.num_kitchens)]
+    return stage.kitchens.observe(agent.observation, seats=stage.seats)
+
+
+class _Blame:
+    """Turns whatever an agent raises into a ScenarioFault that says where; UnknownLayout goes through."""
+
+    def __init__(self, agent: "Agent", method: str, stage: Stage) -> None:
+        self._method, self._stage = method, stage
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: Any, error: BaseException | None, trace: Any) -> None:
+        if not isinstance(error, Exception | SystemExit) or isinstance(error, UnknownLayout):
+            return
+        if isinstance(error, GameError):
+            raise ScenarioFault(_told(str(error), self._stage, error.row)) from error
+        told = f": {error}" if str(error) else ""
+        message = f"{self._method}() raised {type(error).__name__}{told}"
+        raise ScenarioFault(_told(message, self._stage, None)) from error
+
+
+def _told(message: str, stage: Stage, row: int | None) -> str:
+    situation = stage.parts[(row or 0) // stage.repeats].situation
+    named = situation.id if row is not None or len(stage.parts) == 1 else f"scenarios on {situation.layout.name!r}"
+    return f"{named}, step {stage.step}: {message}"
