@@ -19,6 +19,7 @@ from overcooked_bench.evaluation.protocol import Protocol
 from overcooked_bench.evaluation.roster import Partner, roster, seat_partners
 from overcooked_bench.evaluation.store import Episode, pack_actions, pack_state
 from overcooked_bench.evaluation.streams import stream_key
+from overcooked_bench.evaluation.threads import one_thread
 from overcooked_bench.kitchen.layout import MIRRORED
 
 
@@ -83,7 +84,7 @@ def play_block(block: Block) -> Outcome:
     """
     partners = roster(block.protocol, _pool(block.pool, block.pool_sha256), block.layout)
     who, seats = _deal(block, partners)
-    with _one_thread():
+    with one_thread():
         make = agent_maker(block.agent, block.agent_sha256, block.protocol.mode)
         try:
             try:
@@ -200,19 +201,6 @@ def _pool(folder: str | None, sha256: str | None) -> Pool | None:
             f"began, {pool.hash[:12]}… now); score again, with another --output where some blocks are finished"
         )
     return pool
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Keeps torch on one thread, so that sums are formed in the same order everywhere."""
-    import torch
-
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)
 
 
 @contextmanager

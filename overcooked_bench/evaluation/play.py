@@ -3,7 +3,7 @@
 Axes: N kitchens (rows), T steps, B rows of one agent.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,7 +14,7 @@ from overcooked_bench.agents.agent import GameError, UnknownLayout
 from overcooked_bench.agents.checks import AgentError, check_actions
 from overcooked_bench.evaluation.streams import stream_key
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
-from overcooked_bench.kitchen.kitchens import HISTORY, STACKED, Kitchens
+from overcooked_bench.kitchen.kitchens import HISTORY, STACKED, Kitchens, StepResult
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.state import KitchenState
 
@@ -137,13 +137,19 @@ def make_kitchens(layout: str | Path | Layout, rows: int, parties: Sequence[Part
     return Kitchens(layout, rows, history=HISTORY if looks_back else 0, **settings)
 
 
-def play(kitchens: Kitchens, parties: Sequence[Party], seeds: NDArray[np.uint64]) -> Games:
+def play(
+    kitchens: Kitchens,
+    parties: Sequence[Party],
+    seeds: NDArray[np.uint64],
+    watch: Callable[[Kitchens, StepResult], object] | None = None,
+) -> Games:
     """Plays one episode in every kitchen, from the states that they are in, to the horizon.
 
     Args:
         kitchens: Just reset; over afterwards.
         parties: Together they sit on every seat of every kitchen once.
         seeds: (N, 2) uint64, the random stream of the agent on each seat.
+        watch: Called after each step with the kitchens, as they are then, and what the step brought.
 
     Raises:
         PlayFault: An agent raised, answered with something other than one action a row, or asks for an observation
@@ -186,6 +192,8 @@ def play(kitchens: Kitchens, parties: Sequence[Party], seeds: NDArray[np.uint64]
         soup_reward += result.soup_reward
         partial_reward += result.partial_reward
         soups += result.soup_reward > 0
+        if watch:
+            watch(kitchens, result)
     return Games(starts, actions, soup_reward, partial_reward, soups)
 
 
