@@ -7,16 +7,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from overcooked_bench.agents.agent import Agent, UnknownLayout, one_game_at_a_time, sample_actions, uniforms
+    from overcooked_bench.agents.agent import Agent, UnknownLayout, one_game_at_a_time
     from overcooked_bench.agents.catalogue import load_agent
+    from overcooked_bench.agents.draws import sample_actions, uniforms
 
 _HOMES = {
     "Agent": "agent",
     "UnknownLayout": "agent",
     "load_agent": "catalogue",
     "one_game_at_a_time": "agent",
-    "sample_actions": "agent",
-    "uniforms": "agent",
+    "sample_actions": "draws",
+    "uniforms": "draws",
 }
 
 __all__ = ["Agent", "UnknownLayout", "load_agent", "one_game_at_a_time", "sample_actions", "uniforms"]

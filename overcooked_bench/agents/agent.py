@@ -1,4 +1,4 @@
-"""The contract of agents, and what helps to keep it: random draws that belong to a row, an adapter for single games.
+"""The contract of agents, and what helps to keep it: an adapter for single games; for random draws see `draws`.
 
 Axes: B = simultaneous episodes (rows).
 """
@@ -6,16 +6,14 @@ Axes: B = simultaneous episodes (rows).
 import operator
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, Final, Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from overcooked_bench.kitchen.codes import NUM_ACTIONS
+from overcooked_bench.agents.draws import sample_actions, uniforms
 
-_GOLDEN, _MIX_1, _MIX_2 = 0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB
-_WORD: Final = 2**64 - 1
-_ROUNDING: Final = 1e-3  # what a softmax in float16 may miss
+__all__ = ["Agent", "GameError", "UnknownLayout", "one_game_at_a_time", "sample_actions", "uniforms"]
 
 
 class UnknownLayout(ValueError):
@@ -71,59 +69,6 @@ class Agent(Protocol):
             (B,) whole numbers: 0 north, 1 south, 2 east, 3 west, 4 stay, 5 interact.
         """
         ...
-
-
-def uniforms(seeds: NDArray[np.uint64], step: int) -> NDArray[np.float64]:
-    """Draws one number in [0, 1) a row; it depends on the row's seed and the step alone.
-
-    Args:
-        seeds: (B,) uint64.
-        step: Steps since the start, from 0; another step gives an independent draw.
-
-    Returns:
-        (B,) float64.
-
-    Source: Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators" (SplitMix64's finaliser).
-    """
-    keys = _mixed(np.asarray(seeds, np.uint64) + np.uint64(_GOLDEN))
-    bits = _mixed(keys + np.uint64((step + 1) * _GOLDEN & _WORD))
-    return (bits >> np.uint64(11)).astype(np.float64) * 2.0**-53
-
-
-def sample_actions(probabilities: ArrayLike, seeds: NDArray[np.uint64], step: int) -> NDArray[np.int64]:
-    """Draws one action a row; row i's draw depends on its probabilities, its seed and the step alone.
-
-    Args:
-        probabilities: (B, 6), each row of sum 1 up to rounding. An action of probability 0 is never drawn.
-        seeds: (B,) uint64.
-        step: Steps since the start, from 0.
-
-    Returns:
-        (B,) int64.
-
-    Raises:
-        ValueError: A wrong shape, a negative or undefined probability, or a row that does not sum to 1.
-    """
-    chances = np.asarray(probabilities, np.float64)
-    if chances.shape != (len(seeds), NUM_ACTIONS):
-        raise ValueError(
-            f"probabilities have the shape {chances.shape}; {len(seeds)} seeds need ({len(seeds)}, {NUM_ACTIONS})"
-        )
-    sums = np.cumsum(chances, axis=1)
-    good = (chances >= 0).all(axis=1) & (np.abs(sums[:, -1] - 1) <= _ROUNDING)
-    if not good.all():
-        row = int(np.argmin(good))
-        raise ValueError(f"row {row}: {chances[row].tolist()}; give six probabilities, from 0, that sum to 1")
-    drawn = np.sum(sums <= uniforms(seeds, step)[:, None], axis=1, dtype=np.int64)
-    last = NUM_ACTIONS - 1 - np.argmax(chances[:, ::-1] > 0, axis=1)  # rounding may end a row's sum below its draw
-    actions: NDArray[np.int64] = np.minimum(drawn, last)
-    return actions
-
-
-def _mixed(z: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    z = (z ^ (z >> np.uint64(30))) * np.uint64(_MIX_1)
-    z = (z ^ (z >> np.uint64(27))) * np.uint64(_MIX_2)
-    return z ^ (z >> np.uint64(31))
 
 
 def one_game_at_a_time(factory: Callable[[], Any], observation: str | None = None) -> Agent:

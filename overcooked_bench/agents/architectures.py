@@ -11,6 +11,8 @@ from math import prod
 from typing import TYPE_CHECKING, Final, Literal
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
 
@@ -66,6 +68,20 @@ class Architecture(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         """
         raise NotImplementedError
 
+    def narrowed(
+        self, weights: Mapping[str, NDArray[np.float32]]
+    ) -> tuple[Mapping[str, NDArray[np.float32]], NDArray[np.int64] | None]:
+        """Leaves out the inputs that no policy looks at.
+
+        Args:
+            weights: By name, (K, *shape).
+
+        Returns:
+            Weights with which `forward` gives the same (K, R, 6) from inputs (K, R, L), and the indices (L,) of these
+            in the flattened observation; the weights as they are and None where all inputs are needed.
+        """
+        return weights, None
+
 
 class Mlp(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="mlp"):
     """Fully connected layers over the flattened observation.
@@ -100,6 +116,16 @@ class Mlp(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
         for i in range(len(self.hidden)):
             values = activation(_layer(weights, f"trunk.{i}", values))
         return _layer(weights, "action", values)
+
+    def narrowed(
+        self, weights: Mapping[str, NDArray[np.float32]]
+    ) -> tuple[Mapping[str, NDArray[np.float32]], NDArray[np.int64] | None]:
+        """Leaves out the inputs that the first layers of all policies multiply by 0: those that never change, say."""
+        first = weights["trunk.0.weight"]
+        live = np.flatnonzero(first.any((0, 1)))
+        if not 0 < len(live) < first.shape[2]:
+            return weights, None
+        return {**weights, "trunk.0.weight": first[:, :, live]}, live
 
 
 class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="cnn"):

@@ -10,7 +10,8 @@ import numpy as np
 import torch
 from numpy.typing import ArrayLike, NDArray
 
-from overcooked_bench.agents.agent import UnknownLayout, sample_actions
+from overcooked_bench.agents.agent import UnknownLayout
+from overcooked_bench.agents.draws import ActionSampler
 from overcooked_bench.agents.policy import (
     ARCHITECTURES,
     Architecture,
@@ -65,7 +66,8 @@ class PolicyStack:
                 )
         self._size = len(policies)
         names = self.architecture.tensor_shapes()
-        self._weights = {name: torch.from_numpy(np.stack([p.weights[name] for p in policies])) for name in names}
+        weights, self._live = self.architecture.narrowed({n: np.stack([p.weights[n] for p in policies]) for n in names})
+        self._weights = {name: torch.tensor(array) for name, array in weights.items()}
 
     def __len__(self) -> int:
         """K."""
@@ -81,25 +83,26 @@ class PolicyStack:
         Raises:
             ValueError: Not whole numbers, or one out of range.
         """
-        rows = np.asarray(index)
-        if rows.ndim != 1 or not len(rows) or rows.dtype.kind not in "iu":
-            raise ValueError(f"index is {rows.dtype} of the shape {rows.shape}; give one whole number a row")
-        if rows.min() < 0 or rows.max() >= len(self):
-            raise ValueError(f"index names the policy {rows.max()}; this stack has policies 0 to {len(self) - 1}")
+        rows = checked_index(index, len(self))
         used, position = np.unique(rows, return_inverse=True)
         if len(used) == len(self):
-            return Assignment(self.architecture, self._weights, position)
+            return Assignment(self.architecture, self._weights, self._live, position)
         chosen = torch.from_numpy(used.astype(np.int64))
-        return Assignment(self.architecture, {name: w[chosen] for name, w in self._weights.items()}, position)
+        weights = {name: w[chosen] for name, w in self._weights.items()}
+        return Assignment(self.architecture, weights, self._live, position)
 
 
 class Assignment:
     """A stack with the rows dealt out; `PolicyStack.assign` makes it, once for many steps."""
 
     def __init__(
-        self, architecture: Architecture, weights: dict[str, torch.Tensor], position: NDArray[np.int64]
+        self,
+        architecture: Architecture,
+        weights: dict[str, torch.Tensor],
+        live: NDArray[np.int64] | None,
+        position: NDArray[np.int64],
     ) -> None:
-        self._architecture, self._weights = architecture, weights
+        self._architecture, self._weights, self._live = architecture, weights, live
         counts = np.bincount(position)
         order = np.argsort(position, kind="stable")
         starts = np.cumsum(counts) - counts
@@ -108,6 +111,8 @@ class Assignment:
         self._slots = position * counts.max() + rank  # row -> place in (K, R), flattened
         self._shape = len(counts), int(counts.max())
         self._dense = bool((self._slots == np.arange(len(position))).all()) and counts.min() == counts.max()
+        seen = architecture.observation_shape if live is None else (len(live),)
+        self._inputs = torch.zeros(*self._shape, *seen)  # places without a row stay 0
 
     def probabilities(self, observations: NDArray[Any]) -> NDArray[np.float32]:
         """Computes each row's policy in one forward.
@@ -124,16 +129,12 @@ class Assignment:
         expected = (len(self._slots), *self._architecture.observation_shape)
         if observations.shape != expected:
             raise ValueError(f"observations have the shape {observations.shape}; these policies need {expected}")
-        policies, rows = self._shape
-        if self._dense:
-            dealt = np.ascontiguousarray(observations)
-        else:
-            dealt = np.zeros((policies * rows, *expected[1:]), observations.dtype)
-            dealt[self._slots] = observations
+        seen = observations if self._live is None else observations.reshape(len(observations), -1).take(self._live, 1)
+        places = self._inputs.numpy().reshape(-1, *seen.shape[1:])
+        places[slice(None) if self._dense else self._slots] = seen
         with torch.inference_mode():
-            inputs = torch.tensor(dealt, dtype=torch.float32).view(policies, rows, *expected[1:])
-            logits = self._architecture.forward(self._weights, inputs)
-            chances: NDArray[np.float32] = torch.softmax(logits, -1).view(policies * rows, -1).numpy()
+            logits = self._architecture.forward(self._weights, self._inputs)
+            chances: NDArray[np.float32] = torch.softmax(logits, -1).flatten(0, 1).numpy()
         return chances if self._dense else chances[self._slots]
 
 
@@ -146,6 +147,8 @@ class NeuralAgent:
         index: (B,) int, which policy plays which row; needed with several policies. `assign` changes it later.
 
     Attributes:
+        policies: The policies, in the order of the index.
+        mode: How actions are chosen.
         observation: What the policies see.
         layout: The layout they were trained on, the only one they play.
     """
@@ -153,16 +156,14 @@ class NeuralAgent:
     def __init__(
         self, policies: Policy | Sequence[Policy], mode: Mode = "sample", index: ArrayLike | None = None
     ) -> None:
-        if mode not in MODES:
-            raise ValueError(f"mode is {mode!r}; choose 'sample' or 'greedy'")
-        self._stack = PolicyStack([policies] if isinstance(policies, Policy) else policies)
+        self.policies = (policies,) if isinstance(policies, Policy) else tuple(policies)
+        self._stack = PolicyStack(self.policies)
         self.observation: str = self._stack.architecture.observation
         self.layout = self._stack.architecture.layout
-        self.mode = mode
+        self.mode = checked_mode(mode)
         self._index = None if index is None else np.asarray(index)
         self._assignment: Assignment | None = None
-        self._seeds = np.zeros(0, np.uint64)
-        self._step = 0
+        self._sampler = ActionSampler(np.zeros(0, np.uint64))
 
     def assign(self, index: ArrayLike) -> None:
         """Says which policy plays which row from the next reset on; `PolicyStack.assign` tells the form."""
@@ -177,15 +178,16 @@ class NeuralAgent:
         """
         if layout != self.layout:
             raise UnknownLayout(f"this policy was trained on {self.layout!r} and cannot play {layout!r}")
-        index = self._index
-        if index is None:
-            if len(self._stack) > 1:
-                raise ValueError("several policies share this agent; say which plays which row: assign(index)")
-            index = np.zeros(len(seeds), np.int64)
-        if len(index) != len(seeds):
-            raise ValueError(f"{len(seeds)} episodes, but assign() dealt out {len(index)} rows")
-        self._assignment = self._stack.assign(index)
-        self._seeds, self._step = np.asarray(seeds, np.uint64), 0
+        self._assignment = self._stack.assign(self.index_for(len(seeds)))
+        self._sampler = ActionSampler(seeds)
+
+    def index_for(self, rows: int) -> NDArray[np.int64]:
+        """Tells which policy plays each of so many rows.
+
+        Raises:
+            ValueError: Several policies and no index of this many rows.
+        """
+        return dealt_rows(self._index, len(self._stack), rows)
 
     def act(self, observations: Any) -> NDArray[np.int64]:
         """Chooses one action a row.
@@ -199,8 +201,48 @@ class NeuralAgent:
         if self._assignment is None:
             raise ValueError("act() came before reset()")
         chances = self._assignment.probabilities(np.asarray(observations))
-        step, self._step = self._step, self._step + 1
         if self.mode == "sample":
-            return sample_actions(chances, self._seeds, step)
+            return self._sampler.draw(chances)
         actions: NDArray[np.int64] = chances.argmax(axis=1)
         return actions
+
+
+def checked_mode(mode: Mode) -> Mode:
+    """Gives the mode back.
+
+    Raises:
+        ValueError: It is none.
+    """
+    if mode not in MODES:
+        raise ValueError(f"mode is {mode!r}; choose 'sample' or 'greedy'")
+    return mode
+
+
+def checked_index(index: ArrayLike, policies: int) -> NDArray[np.int64]:
+    """Gives the index back, which says which of so many policies plays which row.
+
+    Raises:
+        ValueError: Not whole numbers, or one out of range.
+    """
+    rows = np.asarray(index)
+    if rows.ndim != 1 or not len(rows) or rows.dtype.kind not in "iu":
+        raise ValueError(f"index is {rows.dtype} of the shape {rows.shape}; give one whole number a row")
+    strange = rows[(rows < 0) | (rows >= policies)]
+    if len(strange):
+        raise ValueError(f"index names the policy {strange[0]}; there are policies 0 to {policies - 1}")
+    return rows.astype(np.int64)
+
+
+def dealt_rows(index: NDArray[np.int64] | None, policies: int, rows: int) -> NDArray[np.int64]:
+    """Tells which of so many policies plays each of so many rows: as the index says, or the only policy all of them.
+
+    Raises:
+        ValueError: Several policies and no index of this many rows.
+    """
+    if index is None:
+        if policies > 1:
+            raise ValueError("several policies share this agent; say which plays which row: assign(index)")
+        return np.zeros(rows, np.int64)
+    if len(index) != rows:
+        raise ValueError(f"{rows} episodes, but assign() dealt out {len(index)} rows")
+    return index

@@ -6,6 +6,7 @@ from hypothesis.extra import numpy as hnp
 
 from overcooked_bench.agents import Agent, UnknownLayout, one_game_at_a_time, sample_actions, uniforms
 from overcooked_bench.agents.agent import GameError
+from overcooked_bench.agents.draws import ActionSampler
 
 SEEDS = hnp.arrays(np.uint64, st.integers(1, 20))
 
@@ -28,6 +29,24 @@ def test_a_rows_draw_depends_on_its_own_seed_probabilities_and_step_alone(drawn,
     assert (sample_actions(probabilities[order], seeds[order], step) == together[order]).all()
     for i in range(len(seeds)):
         assert sample_actions(probabilities[i : i + 1], seeds[i : i + 1], step)[0] == together[i]
+
+
+@settings(deadline=None)
+@given(draws(), st.integers(1, 200))
+def test_a_sampler_draws_step_by_step_what_is_drawn_one_by_one(drawn, steps):
+    probabilities, seeds, _ = drawn
+    sampler = ActionSampler(seeds)
+    for step in range(steps):
+        assert (sampler.draw(probabilities) == sample_actions(probabilities, seeds, step)).all()
+
+
+@pytest.mark.parametrize("rows", [1, 1500, 100_000])
+def test_a_sampler_of_many_rows_looks_less_far_ahead(rows):
+    seeds = np.arange(rows, dtype=np.uint64)
+    probabilities = np.full((rows, 6), 1 / 6)
+    sampler = ActionSampler(seeds)
+    for step in range(3):
+        assert (sampler.draw(probabilities) == sample_actions(probabilities, seeds, step)).all()
 
 
 @settings(deadline=None)

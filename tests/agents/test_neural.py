@@ -165,6 +165,25 @@ def test_every_row_is_played_by_its_own_policy(policies, index):
     np.testing.assert_allclose(chances, expected, rtol=1e-3, atol=1e-6)
 
 
+def test_inputs_that_no_policy_looks_at_are_left_out_and_change_nothing(tmp_path):
+    architecture, blind = small_mlp(), np.random.default_rng(0).random(440) < 0.7
+    policies = []
+    for seed in range(2):
+        weights = random_weights(architecture, seed)
+        weights["trunk.0.weight"][:, blind] = 0
+        weights["trunk.0.weight"][:, [3, 5]] = 0
+        weights["trunk.0.weight"][:, [3, 5][seed]] = 1  # one of them looks at it
+        policies.append(load_policy(save_policy(tmp_path / f"blind-{seed}", architecture, weights).weights))
+    narrow, live = architecture.narrowed({n: np.stack([p.weights[n] for p in policies]) for n in policies[0].weights})
+    assert live.tolist() == sorted({*np.flatnonzero(~blind).tolist(), 3, 5})
+    assert narrow["trunk.0.weight"].shape == (2, 8, len(live))
+    for index in ([0, 0, 1, 1], [1, 0, 0]):  # equal neighbouring groups, and others
+        observations = seen(len(index))
+        chances = PolicyStack(policies).assign(index).probabilities(observations)
+        expected = [plain_forward(policies[k], shown) for k, shown in zip(index, observations, strict=True)]
+        np.testing.assert_allclose(chances, expected, rtol=1e-3, atol=1e-6)
+
+
 def test_the_order_of_rows_and_policies_changes_no_bit(policies):
     rng = np.random.default_rng(5)
     index = np.repeat(np.arange(4), 6)
