@@ -119,7 +119,7 @@ def load_items(select: Select = None) -> list[Item]:
     words = [str(entry) for entry in wanted if not _is_path(entry)]
     own = items(scenario for scenario in read_files(paths)) if paths else []
     for word in words:
-        chosen = [item for item in _shipped() if _fits(item, word)]
+        chosen = [item for item in _shipped() if item.id == word] or [item for item in _shipped() if _fits(item, word)]
         if not chosen:
             raise ScenarioError(_nothing(word))
         own += chosen
@@ -176,7 +176,7 @@ def _is_path(entry: str | Path) -> bool:
 
 
 def _fits(item: Item, word: str) -> bool:
-    names = {item.id, item.category, item.family, *item.tags, *(scenario.id for scenario in item.scenarios)}
+    names = {item.category, item.family, *item.tags, *(scenario.id for scenario in item.scenarios)}
     return word in names or item.id.startswith(f"{word}-") or fnmatchcase(item.id, word)
 
 

@@ -18,6 +18,8 @@ VERSION: Final = 1
 LETTERS: Final = "UDRLSI"
 """Actions 0 to 5 in a witness: up, down, right, left, stay, interact."""
 
+_SOLVED: Final[dict[str, "Entry"]] = {}  # by definition: what was searched in this process
+
 
 class Witness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A shortest solution from one seat in one mirror.
@@ -206,7 +208,16 @@ def entry_of(scenario: Scenario) -> Entry:
     Raises:
         ScenarioError: The lock file is damaged, or the scenario cannot be solved.
     """
-    return read_lock(lock_path(scenario)).entry(scenario) or _solved(scenario)
+    return known_entry(scenario) or _solved(scenario)
+
+
+def known_entry(scenario: Scenario) -> Entry | None:
+    """Gives a scenario's entry where the lock file has it, or it was searched before; None elsewhere.
+
+    Raises:
+        ScenarioError: The lock file is damaged.
+    """
+    return read_lock(lock_path(scenario)).entry(scenario) or _SOLVED.get(definition(scenario))
 
 
 def budget_of(scenario: Scenario) -> int:
@@ -214,9 +225,8 @@ def budget_of(scenario: Scenario) -> int:
     return scenario.budget or entry_of(scenario).budget
 
 
-@lru_cache(1024)
 def _solved(scenario: Scenario) -> Entry:
-    return solve_scenario(scenario)
+    return _SOLVED.setdefault(definition(scenario), solve_scenario(scenario))
 
 
 def unused(lock: Lock, scenarios: Iterable[Scenario]) -> list[str]:

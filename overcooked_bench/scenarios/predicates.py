@@ -179,7 +179,7 @@ class _Parser:
         self, node: ast.expr, chef: str, event: str, arguments: list[ast.expr] | None, keywords: list[ast.keyword]
     ) -> Count:
         allowed, at_pots = _ITEMS_OF[event], event in ("pot", "plate")
-        forms = [f"{chef}.{event}"] + [f"{chef}.{event}({allowed[0]})"] * bool(allowed)
+        forms = [f"{chef}.{event}", *(f"{chef}.{event}({item})" for item in allowed)]
         forms += [f"{chef}.{event}(at=1)"] * at_pots
         given = arguments if arguments is not None else []
         names = [keyword.arg for keyword in keywords]

@@ -16,7 +16,7 @@ from overcooked_bench.kitchen.kitchens import HISTORY, STACKED
 from overcooked_bench.scenarios.entrants import AgentFactory, agent_factory, ways
 from overcooked_bench.scenarios.errors import ScenarioFault
 from overcooked_bench.scenarios.items import Item, Select, load_items
-from overcooked_bench.scenarios.lock import entry_of, lock_path, read_lock
+from overcooked_bench.scenarios.lock import budget_of, known_entry
 from overcooked_bench.scenarios.results import PASS_RATE, Failure, ItemResult, SuiteResult
 from overcooked_bench.scenarios.scenario import Situation
 from overcooked_bench.scenarios.stage import Part, Stage
@@ -29,7 +29,8 @@ REPEATS: Final = 20
 MOST_ROWS: Final = 4096
 """Kitchens in one batch."""
 
-_PROBES: Final = 2  # runs with other seeds; an agent that acts alike in all of them is deterministic
+_PROBES: Final = 2  # runs with other seeds, before it is asked whether the agent acts alike in all of them
+_ENOUGH: Final = 200  # decisions that have to be alike for an agent to be deterministic
 _SEQUENCE: Final = 4  # repeats between two looks at what is decided already
 
 _Group = tuple[str, str, bool]  # layout, cooking, mirrored
@@ -146,6 +147,7 @@ class _Played:
 
     part: Part
     passed: list[bool] = field(default_factory=list)
+    actions: NDArray[np.uint8] | None = None
     failure: Failure | None = None
     deterministic: bool = False
     adapted: bool = False
@@ -164,7 +166,7 @@ def _needed(runs: int) -> int:
 
 def _result(item: Item, played: list[_Played], repeats: int) -> ItemResult:
     scenarios = item.scenarios
-    steps = [entry.steps for s in scenarios if (entry := read_lock(lock_path(s)).entry(s))]
+    steps = [entry.steps for scenario in scenarios if (entry := known_entry(scenario))]
     reason = next((part.reason for part in played if part.reason), "")
     facts: dict[str, Any] = {
         "item": item,
@@ -197,7 +199,7 @@ def _play_group(
     sequential: bool,
 ) -> list[_Played]:
     """Plays situations of one kitchen."""
-    parts = [Part(situation, entry_of(situation.scenario).budget) for situation in situations]
+    parts = [Part(situation, budget_of(situation.scenario)) for situation in situations]
     parts.sort(key=lambda part: part.length)
     layout = situations[0].layout
     reason = ""
@@ -216,21 +218,22 @@ def _play_group(
 
 
 def _play_parts(agent: "Agent", parts: Sequence[Part], repeats: int, warmup: int, sequential: bool) -> list[_Played]:
-    """Plays two repeats of each part; where they differ anywhere, the others, too."""
+    """Plays two repeats of each part, and the others, too, unless the agent turns out to be deterministic."""
     played = [_Played(part) for part in parts]
-    probes = [_play(agent, chunk, range(min(_PROBES, repeats)), warmup) for chunk in _chunks(played, _PROBES)]
-    if repeats >= _PROBES and all(probes):
-        for one in played:
-            one.deterministic = True
-            del one.passed[1:]
-        return played
-    first = _PROBES
+    first, alike, compared = 0, True, 0
     while first < repeats:
-        chunk = range(first, min(first + _SEQUENCE, repeats) if sequential else repeats)
+        upto = _PROBES if first == 0 else first + _SEQUENCE if sequential else repeats
+        chunk = range(first, min(upto, repeats))
         going = [one for one in played if not (sequential and one.certain(repeats))]
         for some in _chunks(going, len(chunk)):
-            _play(agent, some, chunk, warmup)
+            alike &= _play(agent, some, chunk, warmup)
+        compared += sum(one.part.budget for one in going) * (len(chunk) - (first == 0))
         first = chunk.stop
+        if alike and compared >= _ENOUGH:
+            for one in played:
+                one.deterministic = True
+                del one.passed[1:]
+            break
     return played
 
 
@@ -242,7 +245,7 @@ def _chunks(played: Sequence[_Played], repeats: int) -> Iterator[Sequence[_Playe
 
 
 def _play(agent: "Agent", played: Sequence[_Played], repeats: range, warmup: int) -> bool:
-    """Plays repeats of parts and adds to what is known of them; tells whether all repeats were the same."""
+    """Plays repeats of parts and adds to what is known of them; tells whether all were like the first repeat."""
     parts = [one.part for one in played]
     seeds = np.array([[scenario_seed(p.situation.scenario.id, k) for k in repeats] for p in parts], np.uint64).ravel()
     stage = _perform(agent, parts, seeds, len(repeats), warmup)
@@ -250,7 +253,8 @@ def _play(agent: "Agent", played: Sequence[_Played], repeats: range, warmup: int
     for index, one in enumerate(played):
         rows = slice(index * len(repeats), (index + 1) * len(repeats))
         actions = stage.actions[: one.part.length, rows]
-        alike &= bool((actions == actions[:, :1]).all())
+        one.actions = actions[:, 0].copy() if one.actions is None else one.actions
+        alike &= bool((actions == one.actions[:, None]).all())
         passed = stage.passed[rows].tolist()
         if one.failure is None and not all(passed):
             k = passed.index(False)
