@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from functools import lru_cache
 from importlib.resources import files
@@ -34,7 +34,7 @@ class Item:
     """
 
     id: str
-    situations: tuple[Situation, ...]
+    situations: tuple[Situation, ...] = field(repr=False)
     family: str
     tags: tuple[str, ...]
 

@@ -1,6 +1,10 @@
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from overcooked_bench.agents.mirror import mirror_actions, mirror_state
+from overcooked_bench.scenarios.items import load_scenarios
 from overcooked_bench.scenarios.judge import judge, replay
 from overcooked_bench.scenarios.stage import Part, Stage
 from tests.scenarios.writing import POT, YIELD, scenario
@@ -23,6 +27,16 @@ def test_the_mirror_turns_everything():
     situation = scenario(YIELD).seated(0, mirrored=True)
     assert judge(situation, 15, turned).reached == len(AWAY)
     assert not judge(situation, 15, AWAY).passed
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.sampled_from(load_scenarios()), st.sampled_from([0, 1]), st.lists(st.integers(0, 5), max_size=25))
+def test_whatever_is_done_the_mirror_turns_it(read, seat, own):
+    plain = judge(read.seated(seat), 30, own)
+    turned = judge(read.seated(seat, mirrored=True), 30, mirror_actions(own).tolist())
+    assert (turned.passed, turned.reached, turned.spoiled) == (plain.passed, plain.reached, plain.spoiled)
+    assert turned.states == tuple(mirror_state(state, read.layout.width) for state in plain.states)
+    assert [truth.first for truth in turned.accept] == [truth.first for truth in plain.accept]
 
 
 def test_the_budget_ends_a_run():
@@ -111,8 +125,12 @@ def test_a_run_is_judged_again_from_its_joint_actions():
 def test_the_film_shows_the_last_steps():
     run = judge(scenario(POT).seated(0), 3, [LEFT, UP])
     film = run.film(2)
-    assert film.splitlines()[0] == "A is chef 0, B is chef 1; cramped_room"
-    assert "step 1: A up, B stays" in film
-    assert "step 3\n" in film
-    assert "step 0" not in film
-    assert "step 0: A left" in run.film()
+    assert film.splitlines()[:4] == [
+        "A is chef 0, B is chef 1",
+        f"{'step 1':18}{'step 2':18}step 3",
+        f"{'A up':18}A stays",
+        f"{'B stays':18}B stays",
+    ]
+    assert "step 0" in run.film()
+    assert "\x1b" in run.film(colour=True)
+    assert len(run.film(2, width=40).splitlines()) == 1 + 2 * (3 + 4) + 1

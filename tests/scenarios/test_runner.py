@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from overcooked_bench import run_scenarios
-from overcooked_bench.agents import sample_actions
+from overcooked_bench.agents import one_game_at_a_time, sample_actions
 from overcooked_bench.agents.checks import AgentError
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
 from overcooked_bench.scenarios.entrants import agent_factory
@@ -174,6 +174,20 @@ FAULTS = {
 def test_a_fault_is_the_agents(act, message):
     with pytest.raises(ScenarioFault, match=message):
         run_items(lambda *_: type("Bad", (Player,), {"act": act})(), four())
+
+
+def test_a_fault_of_one_game_names_its_scenario():
+    class Clumsy:
+        observation = "lossless26"
+
+        def reset(self, layout, seat, seed):
+            self.seat = seat
+
+        def act(self, observation):
+            return 4 if self.seat == 0 else "left"
+
+    with pytest.raises(ScenarioFault, match=r"^T02-pot-seat1, step 0: row 2: Clumsy's act returned 'left'"):
+        run_items(lambda *_: one_game_at_a_time(Clumsy), four())
 
 
 def test_an_agent_that_is_none_is_refused():
