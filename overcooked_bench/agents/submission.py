@@ -19,7 +19,7 @@ from overcooked_bench.agents.agent import Agent, UnknownLayout
 from overcooked_bench.agents.checks import AgentError, check_agent
 
 ENTRY: Final = "agent.py"
-_WANTED: Final = "def make_agent(layout: str, training_seed: int) -> Agent"
+MAKE_AGENT: Final = "make_agent"
 _PREFIX: Final = "overcooked_bench_submission_"
 _numbers = count()
 
@@ -44,27 +44,28 @@ class Submission:
     sha256: str
 
 
-def load_submission(path: str | Path) -> Submission:
+def load_submission(path: str | Path, function: str = MAKE_AGENT) -> Submission:
     """Loads a submission as a module of its own; modules beside it can be imported by it and by nobody else.
 
     Args:
         path: A Python file, or a folder with `agent.py`.
+        function: What in it makes the agents.
 
     Raises:
         AgentError: No such file, its code fails, or it does not define what it should; names file and line.
     """
-    path = Path(path).absolute()
+    path, wanted = Path(path).absolute(), f"def {function}(layout: str, training_seed: int) -> Agent"
     file = path / ENTRY if path.is_dir() else path
     if not file.is_file():
         what = f"no {ENTRY} in this folder" if path.is_dir() else "no such file"
-        raise AgentError(f"{path}: {what}; a submission is a Python file, or a folder with {ENTRY}, with `{_WANTED}`")
+        raise AgentError(f"{path}: {what}; a submission is a Python file, or a folder with {ENTRY}, with `{wanted}`")
     if file.suffix != ".py":
         raise AgentError(f"{path}: not a Python file; a submission is a .py file, or a folder with {ENTRY}")
     imports = _Imports(file.parent)
     module = _execute(file, imports)
-    make = getattr(module, "make_agent", None)
+    make = getattr(module, function, None)
     if not callable(make):
-        raise AgentError(f"{file}: defines no make_agent; write `{_WANTED}`")
+        raise AgentError(f"{file}: defines no {function}; write `{wanted}`")
     seeds = getattr(module, "TRAINING_SEEDS", 1)
     if isinstance(seeds, bool) or not isinstance(seeds, int) or seeds < 1:
         raise AgentError(
@@ -82,8 +83,8 @@ def load_submission(path: str | Path) -> Submission:
         except UnknownLayout:
             raise
         except (Exception, SystemExit) as error:
-            raise _told(error, file, f"make_agent({layout!r}, {training_seed})") from error
-        check_agent(agent, f"{file}, make_agent({layout!r}, {training_seed})")
+            raise _told(error, file, f"{function}({layout!r}, {training_seed})") from error
+        check_agent(agent, f"{file}, {function}({layout!r}, {training_seed})")
         return agent  # type: ignore[no-any-return]
 
     name = path.name if path.is_dir() else path.stem

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
+from itertools import zip_longest
+
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.state import FACINGS, KitchenState, Soup, Thing
 from overcooked_bench.rendering.pots import progress
@@ -60,11 +64,35 @@ def film(layout: Layout, state: KitchenState, *, colour: bool = True, legend: bo
     return "\n".join(lines)
 
 
+def side_by_side(pictures: Sequence[str], width: int = 100) -> str:
+    """Lays pictures beside each other, from left to right, in as many rows as are needed.
+
+    Args:
+        pictures: Texts of several lines, with or without ANSI colours.
+        width: Characters of a row; a picture that is wider has a row of its own.
+    """
+    gap, cell = 3, max((_shown(line) for picture in pictures for line in picture.split("\n")), default=1)
+    across = max(1, (width + gap) // (cell + gap))
+    rows = []
+    for first in range(0, len(pictures), across):
+        columns = [picture.split("\n") for picture in pictures[first : first + across]]
+        lines = zip_longest(*columns, fillvalue="")
+        rows.append(
+            "\n".join("".join(text + " " * (cell + gap - _shown(text)) for text in line).rstrip() for line in lines)
+        )
+    return "\n\n".join(rows)
+
+
 def describe(thing: Thing | None) -> str:
     """Names what is held or lies somewhere: "nothing", "onion", "soup of 2 onions and 1 tomato"."""
     if thing is None:
         return "nothing"
     return f"soup of {_ingredients(thing)}" if isinstance(thing, Soup) else thing
+
+
+def _shown(text: str) -> int:
+    """Counts the characters that a terminal shows of a line."""
+    return len(re.sub(r"\x1b\[[0-9;]*m", "", text))
 
 
 def _ingredients(soup: Soup) -> str:

@@ -23,7 +23,8 @@ def agent_factory(agent: str | Path | AgentFactory, mode: "Mode" = "sample") -> 
     """Gives a function that makes an agent for a layout; a submission's file is executed once.
 
     Args:
-        agent: What `load_agent` takes, a name with `{layout}` in it, or such a function.
+        agent: What `load_agent` takes, `file.py:function` for a function of another name than make_agent, a name with
+            `{layout}` in it, or such a function.
         mode: How frozen policies act.
 
     Raises:
@@ -38,6 +39,9 @@ def agent_factory(agent: str | Path | AgentFactory, mode: "Mode" = "sample") -> 
     path, name = Path(agent), str(agent)
     if path.suffix == ".py" or (path / ENTRY).is_file():
         return load_submission(path).make_agent
+    file, _, function = name.rpartition(":")
+    if file.endswith(".py") or (file and (Path(file) / ENTRY).is_file()):
+        return load_submission(file, function).make_agent
     if ANY_LAYOUT in name:
         return _one_for_each(name, mode)
 

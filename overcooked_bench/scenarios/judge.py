@@ -54,25 +54,26 @@ class Run(NamedTuple):
     actions: tuple[tuple[int, int], ...]
     states: tuple[KitchenState, ...]
 
-    def film(self, steps: int = 8, colour: bool = False) -> str:
-        """Draws the last steps, one kitchen below the other.
+    def film(self, steps: int = 8, colour: bool = False, width: int = 100) -> str:
+        """Draws the last steps, one kitchen beside the other.
 
         Args:
             steps: How many joint actions.
             colour: Whether for a terminal with colours.
+            width: Characters of a line.
         """
-        from overcooked_bench.rendering.text import film
+        from overcooked_bench.rendering.text import film, side_by_side
 
         situation, first = self.part.situation, max(0, len(self.actions) - steps)
-        frames = [f"A is chef {situation.seat}, B is chef {situation.partner_seat}; {situation.layout.name}"]
+        frames = []
         for number, state in enumerate(self.states[first:], start=first):
             time = number - len(situation.before)
-            caption = f"step {time}" if time >= 0 else f"{-time} before the start"
+            caption = [f"step {time}" if time >= 0 else f"{-time} before", "", ""]
             if number < len(self.actions):
-                caption += f": A {_NAMES[self.actions[number][situation.seat]]}"
-                caption += f", B {_NAMES[self.actions[number][situation.partner_seat]]}"
-            frames.append(f"{caption}\n{film(situation.layout, state, colour=colour, legend=False)}")
-        return "\n\n".join(frames)
+                joint = self.actions[number]
+                caption[1:] = f"A {_NAMES[joint[situation.seat]]}", f"B {_NAMES[joint[situation.partner_seat]]}"
+            frames.append("\n".join([*caption, film(situation.layout, state, colour=colour, legend=False)]))
+        return f"A is chef {situation.seat}, B is chef {situation.partner_seat}\n{side_by_side(frames, width)}"
 
     def why(self) -> str:
         """Says in a few lines why it failed, or when it passed."""

@@ -1,6 +1,6 @@
 """What came of a run of the suite: item by item, and by category and family, ready for JSON."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import sqrt
@@ -214,18 +214,17 @@ class SuiteResult:
     @cached_property
     def total(self) -> Tally:
         """All of them together."""
-        return _tally(self.items)
+        return tally(result.to_dict() for result in self.items)
 
     @cached_property
     def by_category(self) -> dict[str, Tally]:
         """Each category that was played, in the order of `CATEGORIES`."""
-        found = self._by(lambda item: item.category)
-        return {category: found[category] for category in CATEGORIES if category in found}
+        return tallies("category", [result.to_dict() for result in self.items])
 
     @cached_property
     def by_family(self) -> dict[str, Tally]:
         """Each family."""
-        return self._by(lambda item: item.family)
+        return tallies("family", [result.to_dict() for result in self.items])
 
     def result(self, item: str) -> ItemResult:
         """Gives an item's result by its id.
@@ -237,49 +236,63 @@ class SuiteResult:
 
     def to_dict(self) -> dict[str, Any]:
         """Gives everything that JSON can hold."""
-        from importlib.metadata import version
-
-        return {
-            "schema": SCHEMA,
-            "package": f"overcooked-bench {version('overcooked-bench')}",
-            "agent": self.agent,
-            "mode": self.mode,
-            "repeats": self.repeats,
-            "training_seed": self.training_seed,
-            "warmup": self.warmup,
-            "sequential": self.sequential,
-            "pass_rate": PASS_RATE,
-            "n": self.n,
-            "passed": self.passed,
-            "total": self.total.to_dict(),
-            "by_category": {name: tally.to_dict() for name, tally in self.by_category.items()},
-            "by_family": {name: tally.to_dict() for name, tally in self.by_family.items()},
-            "items": [result.to_dict() for result in self.items],
-        }
-
-    def _by(self, key: Callable[[Item], str]) -> dict[str, Tally]:
-        groups: dict[str, list[ItemResult]] = {}
-        for result in self.items:
-            groups.setdefault(key(result.item), []).append(result)
-        return {name: _tally(groups[name]) for name in sorted(groups)}
+        settings = ("agent", "mode", "repeats", "training_seed", "warmup", "sequential")
+        return suite_record({key: getattr(self, key) for key in settings}, [result.to_dict() for result in self.items])
 
 
-def _tally(results: Iterable[ItemResult]) -> Tally:
-    found = list(results)
-    families: dict[str, list[ItemResult]] = {}
-    for result in found:
-        families.setdefault(result.item.family, []).append(result)
-    shares = [sum(r.passed for r in group) / len(group) for group in families.values()]
-    rates = [sum(r.rate.value for r in group) / len(group) for group in families.values()]
+Record = Mapping[str, Any]
+"""What `ItemResult.to_dict` gives."""
+
+
+def tally(records: Iterable[Record]) -> Tally:
+    """Takes items together."""
+    found = list(records)
+    families: dict[str, list[Record]] = {}
+    for record in found:
+        families.setdefault(record["family"], []).append(record)
+    shares = [sum(r["status"] == "passed" for r in group) / len(group) for group in families.values()]
+    rates = [sum(r["rate"] for r in group) / len(group) for group in families.values()]
     return Tally(
         n=len(found),
-        passed=sum(result.passed for result in found),
-        not_attempted=sum(result.status == "not attempted" for result in found),
-        adapted=sum(result.adapted for result in found),
+        passed=sum(record["status"] == "passed" for record in found),
+        not_attempted=sum(record["status"] == "not attempted" for record in found),
+        adapted=sum(record["adapted"] for record in found),
         score=wilson(sum(shares), len(shares)),
         mean_rate=sum(rates) / len(rates) if rates else 0.0,
         families=len(families),
     )
+
+
+def tallies(key: Literal["category", "family"], records: Iterable[Record]) -> dict[str, Tally]:
+    """Takes the items of each category or family together; categories in the order of `CATEGORIES`."""
+    groups: dict[str, list[Record]] = {}
+    for record in records:
+        groups.setdefault(record[key], []).append(record)
+    order = CATEGORIES if key == "category" else sorted(groups)
+    return {name: tally(groups[name]) for name in order if name in groups}
+
+
+def suite_record(settings: Mapping[str, Any], records: Sequence[Record]) -> dict[str, Any]:
+    """Gives a run of the suite as JSON can hold it.
+
+    Args:
+        settings: How it was run: agent, mode, repeats and the like.
+        records: Of its items, by id.
+    """
+    from importlib.metadata import version
+
+    return {
+        "schema": SCHEMA,
+        "package": f"overcooked-bench {version('overcooked-bench')}",
+        **settings,
+        "pass_rate": PASS_RATE,
+        "n": len(records),
+        "passed": sum(record["status"] == "passed" for record in records),
+        "total": tally(records).to_dict(),
+        "by_category": {name: found.to_dict() for name, found in tallies("category", records).items()},
+        "by_family": {name: found.to_dict() for name, found in tallies("family", records).items()},
+        "items": list(records),
+    }
 
 
 def _missing(item: str) -> ItemResult:

@@ -16,6 +16,7 @@ from overcooked_bench.kitchen.kitchens import HISTORY, STACKED
 from overcooked_bench.scenarios.entrants import AgentFactory, agent_factory, ways
 from overcooked_bench.scenarios.errors import ScenarioFault
 from overcooked_bench.scenarios.items import Item, Select, load_items
+from overcooked_bench.scenarios.judge import Run, replay
 from overcooked_bench.scenarios.lock import budget_of, known_entry
 from overcooked_bench.scenarios.results import PASS_RATE, Failure, ItemResult, SuiteResult
 from overcooked_bench.scenarios.scenario import Situation
@@ -128,6 +129,37 @@ def run_items(
             played[part.part.situation.id] = part
     on_progress(len(groups), len(groups))
     return [_result(item, [played[situation.id] for situation in item.situations], repeats) for item in items]
+
+
+def play_once(
+    make_agent: AgentFactory, situation: Situation, repeat: int = 0, *, training_seed: int = 0, warmup: int = 0
+) -> Run:
+    """Plays one run as `run_items` plays it among others, and looks closely at it.
+
+    Args:
+        make_agent: Makes an agent for a layout's name and a training seed.
+        situation: What is played.
+        repeat: Which run, from 0: it says with what seed.
+        training_seed: Handed to `make_agent`.
+        warmup: First views shown before.
+
+    Raises:
+        UnknownLayout: The agent does not know the kitchen.
+        ScenarioError: The scenario cannot be solved, so that it has no budget.
+        ScenarioFault: The agent broke the contract.
+    """
+    part, unknown = Part(situation, budget_of(situation.scenario)), []
+    seeds = np.array([scenario_seed(situation.scenario.id, repeat)], np.uint64)
+    for make, _ in ways(make_agent, situation, training_seed):
+        try:
+            agent = make()
+            check_agent(agent, f"make_agent({situation.layout.name!r}, {training_seed})")
+            stage = _perform(agent, [part], seeds, 1, warmup)
+        except UnknownLayout as error:
+            unknown.append(error)
+            continue
+        return replay(situation, part.budget, stage.actions[: part.length, 0])
+    raise unknown[0]
 
 
 def scenario_seed(scenario: str, repeat: int) -> int:

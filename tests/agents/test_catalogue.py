@@ -128,6 +128,13 @@ def test_what_a_submission_says(submit):
             submission.make_agent("cramped_room", seed)
 
 
+def test_a_function_of_another_name(submit):
+    file = submit(WAITS.replace("make_agent", "make_waiter"))
+    assert load_submission(file, "make_waiter").make_agent("cramped_room", 0).observation
+    with pytest.raises(AgentError, match="defines no make_cook; write `def make_cook"):
+        load_submission(file, "make_cook")
+
+
 @pytest.mark.parametrize("seeds", ["0", "-1", "2.0", "True", "'3'", "None"])
 def test_training_seeds_must_be_a_count(submit, seeds):
     with pytest.raises(AgentError, match=r"entry\.py: TRAINING_SEEDS is"):

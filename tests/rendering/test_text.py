@@ -5,7 +5,7 @@ from hypothesis import given
 
 from overcooked_bench import Chef, KitchenState, Layout, Soup
 from overcooked_bench.kitchen.layout import layout_names
-from overcooked_bench.rendering.text import film
+from overcooked_bench.rendering.text import film, side_by_side
 from tests.rendering.scenes import TOMATO_KITCHEN, neighbours, some_state, states
 
 
@@ -54,3 +54,11 @@ def test_an_example():
         "pot (2, 0): 3 onions, 12 steps to go",
         "dish (4, 2): 3 onions",
     ]
+
+
+def test_pictures_lie_side_by_side():
+    pictures = ["a\nbb", "\x1b[1mcc\x1b[0m", "d"]
+    assert side_by_side(pictures) == "a    \x1b[1mcc\x1b[0m   d\nbb"
+    assert side_by_side(pictures, width=7) == "a    \x1b[1mcc\x1b[0m\nbb\n\nd"
+    assert side_by_side(pictures, width=1).count("\n\n") == 2
+    assert side_by_side([]) == ""

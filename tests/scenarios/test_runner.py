@@ -3,14 +3,14 @@ import re
 import numpy as np
 import pytest
 
-from overcooked_bench import run_scenarios
+from overcooked_bench import UnknownLayout, run_scenarios
 from overcooked_bench.agents import one_game_at_a_time, sample_actions
 from overcooked_bench.agents.checks import AgentError
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
 from overcooked_bench.scenarios.entrants import agent_factory
 from overcooked_bench.scenarios.errors import ScenarioFault
 from overcooked_bench.scenarios.items import items
-from overcooked_bench.scenarios.runner import run_items, scenario_seed
+from overcooked_bench.scenarios.runner import play_once, run_items, scenario_seed
 from tests.scenarios.players import INTERACT, STAY, Player, knows, player
 from tests.scenarios.writing import POT, YIELD, scenario
 
@@ -46,6 +46,18 @@ def test_others_are_run_with_many_seeds_and_pass_at_four_fifths(chance, status):
         assert abs(result.passes / 50 - chance) < 0.2
         assert result.rate.low < result.passes / 50 < result.rate.high
     assert len({r.passes for r in results}) == 1, "all seats and mirrors see the same seeds"
+
+
+def test_a_run_among_others_can_be_played_alone():
+    result = run_items(player(0.5), four(), repeats=20)[0]
+    situation = result.item.situations[0]
+    runs = [play_once(player(0.5), situation, k) for k in range(20)]
+    assert [run.passed for run in runs].index(False) == result.failure.repeat
+    assert sum(run.passed for run in runs) == result.passes
+    mirrored = scenario(POT).seated(1, True)
+    assert play_once(knows("cramped_room"), mirrored).passed
+    with pytest.raises(UnknownLayout, match="never seen cramped_room-mirrored"):
+        play_once(knows("elsewhere"), mirrored)
 
 
 def test_the_first_failure_can_be_played_again():
@@ -239,3 +251,13 @@ def test_random_play_is_sampled_by_seed():
     passes = [r.passes for r in results]
     assert passes[0] == passes[2]
     assert all(5 < n < 35 for n in passes)
+
+
+def test_a_function_of_a_file_is_named_after_a_colon(tmp_path):
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "from tests.scenarios.players import Player\ndef cook(layout, training_seed):\n    return Player()\n"
+    )
+    assert isinstance(agent_factory(f"{file}:cook")("cramped_room", 0), Player)
+    with pytest.raises(AgentError, match="defines no waiter"):
+        agent_factory(f"{file}:waiter")
