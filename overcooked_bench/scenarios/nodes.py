@@ -13,6 +13,8 @@ LONGEST: Final = 65_536
 DEEPEST: Final = 8
 """Mappings and lists inside each other."""
 
+_DEEP: Final = f"more than {DEEPEST} mappings and lists inside each other"
+
 Path = tuple[str | int, ...]
 """Keys and indices from the top of the file to a value."""
 
@@ -53,17 +55,17 @@ def read_document(text: str, where: str) -> Document:
         where: The file's name, for messages.
 
     Raises:
-        ScenarioError: It is not such YAML; names the line.
+        ScenarioError: It is not YAML; names the line.
     """
     if len(text) > LONGEST:
         raise ScenarioError(f"{where}:1: {len(text)} characters; a scenario has {LONGEST} at most")
-    loader = yaml.SafeLoader(text)
+    loader = _Loader(text)
     try:
         node = loader.get_single_node()
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else 1
         raise ScenarioError(f"{where}:{line}: not YAML: {error.problem or error.context}") from None
-    except (yaml.YAMLError, RecursionError) as error:
+    except yaml.YAMLError as error:
         told = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise ScenarioError(f"{where}:1: not YAML: {told}") from None
     finally:
@@ -72,6 +74,20 @@ def read_document(text: str, where: str) -> Document:
         raise ScenarioError(f"{where}:1: not a mapping; write keys such as `id: S01-my-scenario`")
     reader = _Reader(where)
     return Document(where, reader.mapping(node, ()), reader.lines)
+
+
+class _Loader(yaml.SafeLoader):
+    """Gives up on deep files at once: PyYAML would take seconds to fall over them."""
+
+    _depth = 0
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        self._depth += 1
+        if self._depth > DEEPEST + 2:
+            raise yaml.MarkedYAMLError(problem=_DEEP, problem_mark=self.get_mark())
+        node = super().compose_node(parent, index)
+        self._depth -= 1
+        return node
 
 
 class _Reader:
@@ -100,7 +116,7 @@ class _Reader:
             raise self._wrong(node, "references (& and *) are not allowed; write the value again")
         self._seen.add(id(node))
         if len(path) > DEEPEST:
-            raise self._wrong(node, f"more than {DEEPEST} mappings and lists inside each other")
+            raise self._wrong(node, _DEEP)
         if isinstance(node, yaml.ScalarNode):
             if node.tag not in _SCALARS:
                 kind = node.tag.rpartition(":")[2]

@@ -90,7 +90,7 @@ WRONG = {
     "reference": (dict(why="&a x\nfamily: *a"), 13, "references"),
     "unclosed": (dict(why="[x"), 14, "not YAML"),
     "deep": (dict(pots="{1: " + "[" * 20 + "]" * 20 + "}"), 14, "inside each other"),
-    "bottomless": (dict(pots="[" * 3000), 1, "not YAML"),
+    "bottomless": (dict(pots="[" * 3000), 14, "inside each other"),
 }
 
 
