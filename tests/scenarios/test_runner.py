@@ -231,6 +231,7 @@ def test_the_library_call_counts_by_category_and_family():
     assert len(first["failure"]["actions"]) == 15
 
 
+@pytest.mark.slow
 def test_shipped_frozen_agents_play_by_layout():
     own = run_scenarios("dev-v0/cramped_room/sp-0", ["S01", "P09"], repeats=20, mode="greedy")
     assert [r.status == "not attempted" for r in own.items] == [True] * 4 + [False] * 4
