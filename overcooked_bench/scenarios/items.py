@@ -9,9 +9,10 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Final
 
+from overcooked_bench.scenarios import CATEGORIES
 from overcooked_bench.scenarios.errors import ScenarioError
 from overcooked_bench.scenarios.loading import SUFFIX, load_scenario
-from overcooked_bench.scenarios.scenario import CATEGORIES, SEATS, Scenario, Situation
+from overcooked_bench.scenarios.scenario import SEATS, Scenario, Situation
 
 PAIR: Final = "-pair"
 HALVES: Final = 2

@@ -11,11 +11,12 @@ from overcooked_bench.agents.scripts.parsing import parse_actions
 from overcooked_bench.kitchen.codes import MAX_INGREDIENTS, RECIPES, STAY, Position
 from overcooked_bench.kitchen.layout import Layout, LayoutError
 from overcooked_bench.kitchen.state import FACINGS, Chef, KitchenState, Soup, Thing, row_major
+from overcooked_bench.scenarios import CATEGORIES
 from overcooked_bench.scenarios.errors import ScenarioError
 from overcooked_bench.scenarios.nodes import Document, read_document
 from overcooked_bench.scenarios.picture import CHEFS, THINGS, PictureError, finished_soup, read_picture
 from overcooked_bench.scenarios.predicates import PredicateError, parse_any_of
-from overcooked_bench.scenarios.scenario import ACTIONS, CATEGORIES, Scenario
+from overcooked_bench.scenarios.scenario import ACTIONS, Scenario
 from overcooked_bench.scenarios.terms import Condition
 
 SUFFIX: Final = ".yaml"

@@ -6,9 +6,10 @@ from functools import cached_property
 from math import sqrt
 from typing import Any, Final, Literal, NamedTuple
 
+from overcooked_bench.scenarios import CATEGORIES
 from overcooked_bench.scenarios.items import Item
 from overcooked_bench.scenarios.judge import Run, replay
-from overcooked_bench.scenarios.scenario import CATEGORIES, Situation
+from overcooked_bench.scenarios.scenario import Situation
 
 SCHEMA: Final = 1
 """Version of `SuiteResult.to_dict`; it goes up when a key changes its meaning or is gone."""

@@ -13,9 +13,6 @@ from overcooked_bench.scenarios.terms import Condition
 if TYPE_CHECKING:
     from overcooked_bench.agents.scripts.behaviour import Behaviour
 
-CATEGORIES: Final = ("state", "partner", "memory", "convention", "horizon")
-"""What a scenario is a test of, in the order of tables."""
-
 ACTIONS: Final = ("up", "down", "right", "left", "stay", "interact")
 """Names of the actions 0 to 5 in scenario files."""
 

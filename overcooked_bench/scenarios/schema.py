@@ -7,10 +7,10 @@ import json
 from typing import Any, Final
 
 from overcooked_bench.agents.scripts.parsing import KINDS, MANNERS, MOVES, TIMED
+from overcooked_bench.scenarios import CATEGORIES
 from overcooked_bench.scenarios.loading import CHEF_KEYS, COOKING, FACING_NAMES, KEYS, MOST_STEPS, NAME, NEEDED, POT
 from overcooked_bench.scenarios.picture import CHEFS, THINGS
 from overcooked_bench.scenarios.predicates import LONGEST
-from overcooked_bench.scenarios.scenario import CATEGORIES
 
 _WHOLE: Final = {"type": "integer", "minimum": 0}
 _CELL: Final = {"type": "array", "items": _WHOLE, "minItems": 2, "maxItems": 2, "description": "[column, row], from 0"}
