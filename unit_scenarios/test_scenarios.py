@@ -1,4 +1,4 @@
-"""What `pytest --pyargs overcooked_bench.unit_scenarios --agent my_agent.py` collects: every scenario of this folder."""
+"""What `pytest --pyargs overcooked_bench.unit_scenarios --agent my_agent.py` collects: all scenarios here."""
 
 from overcooked_bench.scenarios.pytest_plugin import Scenarios
 

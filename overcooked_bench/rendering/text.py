@@ -37,10 +37,12 @@ _POT_COOKING: _Look = (231, 88, True)
 _POT_READY: _Look = (16, 46, True)
 
 
-def film(layout: Layout, state: KitchenState, *, colour: bool = True, legend: bool = True) -> str:
+def film(
+    layout: Layout, state: KitchenState, *, colour: bool = True, legend: bool = True, names: Sequence[str] = "01"
+) -> str:
     r"""Writes a kitchen as text, one line a row and three characters a tile.
 
-    A chef is seat, arrow and what is held (`1>o`). Pots are `[_]` empty, `[2]` with that many ingredients, `~12` with
+    A chef is name, arrow and what is held (`1>o`). Pots are `[_]` empty, `[2]` with that many ingredients, `~12` with
     that many steps to cook, `[!]` ready. `<O>`, `<T>` and `<D>` hand out onions, tomatoes and dishes, `<S>` serves.
     `###` is a counter and `#o#` one with an onion on it (t tomato, d dish, s soup).
 
@@ -49,6 +51,7 @@ def film(layout: Layout, state: KitchenState, *, colour: bool = True, legend: bo
         state: Who stands where with what, and what lies where.
         colour: Whether to add ANSI colours; without them the text is plain ASCII.
         legend: Whether to add a line for the step and the chefs, and one for each soup.
+        names: Of the chefs by seat, one letter each.
 
     Returns:
         Lines joined by "\n", without one at the end.
@@ -56,11 +59,11 @@ def film(layout: Layout, state: KitchenState, *, colour: bool = True, legend: bo
     rows = [[_tile(layout, state, (x, y)) for x in range(layout.width)] for y in range(layout.height)]
     for seat, chef in enumerate(state.chefs):
         x, y = chef.position
-        rows[y][x] = [(f"{seat}{_ARROWS[chef.facing]}{_letter(chef.holding)}", _CHEFS[seat])]
+        rows[y][x] = [(f"{names[seat]}{_ARROWS[chef.facing]}{_letter(chef.holding)}", _CHEFS[seat])]
     paint = _paint if colour else _plain
     lines = ["".join(paint(text, look) for tile in row for text, look in tile) for row in rows]
     if legend:
-        lines += _legend(layout, state, colour)
+        lines += _legend(layout, state, colour, names)
     return "\n".join(lines)
 
 
@@ -129,10 +132,10 @@ def _pot(layout: Layout, content: Thing | None) -> _Span:
     return (f"~{left:2d}" if left < 100 else str(left)), _POT_COOKING
 
 
-def _legend(layout: Layout, state: KitchenState, colour: bool) -> list[str]:
+def _legend(layout: Layout, state: KitchenState, colour: bool, names: Sequence[str]) -> list[str]:
     chefs = []
     for seat, chef in enumerate(state.chefs):
-        label = f"{seat}{_ARROWS[chef.facing]}"
+        label = f"{names[seat]}{_ARROWS[chef.facing]}"
         chefs.append(f"{_paint(label, _CHEFS[seat]) if colour else label} {describe(chef.holding)}")
     lines = [f"step {state.timestep}   " + "   ".join(chefs)]
     for position, content in state.objects.items():

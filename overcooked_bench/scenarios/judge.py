@@ -65,15 +65,16 @@ class Run(NamedTuple):
         from overcooked_bench.rendering.text import film, side_by_side
 
         situation, first = self.part.situation, max(0, len(self.actions) - steps)
-        frames = []
+        names, frames = "AB" if situation.seat == 0 else "BA", []
         for number, state in enumerate(self.states[first:], start=first):
             time = number - len(situation.before)
             caption = [f"step {time}" if time >= 0 else f"{-time} before", "", ""]
             if number < len(self.actions):
                 joint = self.actions[number]
                 caption[1:] = f"A {_NAMES[joint[situation.seat]]}", f"B {_NAMES[joint[situation.partner_seat]]}"
-            frames.append("\n".join([*caption, film(situation.layout, state, colour=colour, legend=False)]))
-        return f"A is chef {situation.seat}, B is chef {situation.partner_seat}\n{side_by_side(frames, width)}"
+            picture = film(situation.layout, state, colour=colour, legend=False, names=names)
+            frames.append("\n".join([*caption, picture]))
+        return side_by_side(frames, width)
 
     def why(self) -> str:
         """Says in a few lines why it failed, or when it passed."""

@@ -125,12 +125,14 @@ def test_a_run_is_judged_again_from_its_joint_actions():
 def test_the_film_shows_the_last_steps():
     run = judge(scenario(POT).seated(0), 3, [LEFT, UP])
     film = run.film(2)
-    assert film.splitlines()[:4] == [
-        "A is chef 0, B is chef 1",
+    assert film.splitlines()[:5] == [
         f"{'step 1':18}{'step 2':18}step 3",
         f"{'A up':18}A stays",
         f"{'B stays':18}B stays",
+        "   ".join(["######[_]######"] * 3),
+        "<O>A<o      <O>   <O>A^o      <O>   <O>A^o      <O>",
     ]
     assert "step 0" in run.film()
     assert "\x1b" in run.film(colour=True)
-    assert len(run.film(2, width=40).splitlines()) == 1 + 2 * (3 + 4) + 1
+    assert len(run.film(2, width=40).splitlines()) == 2 * (3 + 4) + 1
+    assert "B>o" in judge(scenario(YIELD).seated(1), 15, []).film(1)

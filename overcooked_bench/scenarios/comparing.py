@@ -1,0 +1,90 @@
+"""Reports of the suite: reading one, what changed between two, and a table of categories."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from overcooked_bench.scenarios.errors import ScenarioError
+from overcooked_bench.scenarios.results import SCHEMA, Tally, tallies, tally
+
+
+class Changes(NamedTuple):
+    """What differs between two reports, by item ids.
+
+    Attributes:
+        failing: Failed now and passed before.
+        passing: Passed now and failed before.
+        added: Not in the older one.
+    """
+
+    failing: tuple[str, ...]
+    passing: tuple[str, ...]
+    added: tuple[str, ...]
+
+
+def read_report(path: str | Path) -> dict[str, Any]:
+    """Reads a report that `--scenario-report` or `scenarios run --output` wrote.
+
+    Raises:
+        ScenarioError: It cannot be read, or is no report of this version.
+    """
+    try:
+        report = json.loads(Path(path).read_text("utf-8"))
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read ({error.strerror})") from None
+    except ValueError as error:
+        raise ScenarioError(f"{path}: no JSON ({error}); give a report that --scenario-report wrote") from None
+    if not isinstance(report, dict) or report.get("schema") != SCHEMA:
+        schema = report.get("schema") if isinstance(report, dict) else None
+        raise ScenarioError(
+            f"{path}: its schema is {schema!r}, and this version reads {SCHEMA}; give a report that --scenario-report "
+            "wrote"
+        )
+    items = report.get("items")
+    if not isinstance(items, list) or not all(
+        isinstance(item, dict) and isinstance(item.get("id"), str) and isinstance(item.get("status"), str)
+        for item in items
+    ):
+        raise ScenarioError(f"{path}: its items have no id and status; give a report that --scenario-report wrote")
+    return report
+
+
+def changes(before: Sequence[Mapping[str, Any]], now: Sequence[Mapping[str, Any]]) -> Changes:
+    """Compares the items of two reports; what is in the older one alone was not played now, and is left out."""
+    passed = {item["id"]: item["status"] == "passed" for item in before}
+    ids = [(item["id"], item["status"] == "passed") for item in now]
+    return Changes(
+        failing=tuple(sorted(name for name, passes in ids if not passes and passed.get(name) is True)),
+        passing=tuple(sorted(name for name, passes in ids if passes and passed.get(name) is False)),
+        added=tuple(sorted(name for name, _ in ids if name not in passed)),
+    )
+
+
+def category_table(records: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Lays out categories as lines of text: what was passed, the mean over families with its interval, the rest.
+
+    Args:
+        records: Of items, as reports have them.
+    """
+    rows: list[tuple[str, ...]] = [
+        ("category", "passed", "of", "mean of families [95 %]", "rate", "families", "not attempted")
+    ]
+    found = tallies("category", records)
+    rows += [_row(name, counted) for name, counted in found.items()]
+    if len(found) > 1:
+        rows.append(_row("total", tally(records)))
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return [
+        "  ".join(
+            text.ljust(width) if column == 0 else text.rjust(width)
+            for column, (text, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def _row(name: str, counted: Tally) -> tuple[str, ...]:
+    share = f"{counted.mean_rate:.2f}"
+    missing = str(counted.not_attempted) if counted.not_attempted else "-"
+    return name, str(counted.passed), str(counted.n), str(counted.score), share, str(counted.families), missing

@@ -1,0 +1,77 @@
+"""Why an item was failed, in words and pictures, and the command that plays the run again."""
+
+import os
+import shlex
+from pathlib import Path
+from typing import Any, Final
+
+from overcooked_bench.scenarios.items import shipped_folder
+from overcooked_bench.scenarios.results import PASS_RATE, Failure, ItemResult
+from overcooked_bench.scenarios.scenario import Situation
+
+PROGRAM: Final = ("overcooked-bench", "scenarios", "run")
+
+
+def headline(result: ItemResult) -> str:
+    """Says in one line what came of an item."""
+    if result.status == "not attempted":
+        return f"not attempted: {result.reason}"
+    if result.deterministic:
+        return f"{result.status}; the agent always acts alike, and one run is exact"
+    which = " in the worse half" if result.item.is_pair else ""
+    return f"{result.passes} of {result.runs} runs passed{which}: {result.rate}; {PASS_RATE} is needed"
+
+
+def explain(result: ItemResult, agent: str, *, colour: bool = False, width: int = 100, **settings: Any) -> str:
+    """Says why an item was failed: the rate, what did not hold, the film of the last steps, and how to play it again.
+
+    Args:
+        result: What came of it.
+        agent: What the agent is called on the command line.
+        colour: Whether for a terminal with colours.
+        width: Characters of a line of the film.
+        settings: Handed on to `replay_command`.
+    """
+    lines = [f"{result.item.id}: {headline(result)}"]
+    failure = result.failure
+    if failure is not None:
+        run = failure.run()
+        lines += [
+            f"why: {failure.situation.scenario.why}",
+            "",
+            f"{failure.situation.id}, repeat {failure.repeat}, {run.why()}",
+            "",
+            run.film(colour=colour, width=width),
+            "",
+            f"play it again: {replay_command(failure, agent, **settings)}",
+        ]
+    return "\n".join(lines)
+
+
+def replay_command(
+    failure: Failure, agent: str, *, mode: str = "sample", training_seed: int = 0, warmup: int = 0
+) -> str:
+    """Gives the command line that plays a failed run again and shows its film.
+
+    Args:
+        failure: The run.
+        agent: What the agent is called on the command line.
+        mode: How frozen policies act.
+        training_seed: Which of a submission's training runs.
+        warmup: First views shown before.
+    """
+    situation = failure.situation
+    words = [*PROGRAM, selector(situation), "--agent", agent, "--seat", str(situation.seat)]
+    words += ["--mirrored"] * situation.mirrored
+    for name, value, default in (("mode", mode, "sample"), ("training-seed", training_seed, 0), ("warmup", warmup, 0)):
+        words += [f"--{name}", str(value)] if value != default else []
+    return shlex.join([*words, "--repeat", str(failure.repeat)])
+
+
+def selector(situation: Situation) -> str:
+    """Gives what selects a situation's scenario: its id where it ships, else its file."""
+    scenario = situation.scenario
+    file = Path(scenario.source).absolute()
+    if file.parent == shipped_folder().absolute():
+        return scenario.id
+    return os.path.relpath(file) if file.is_relative_to(Path.cwd()) else str(file)

@@ -1,0 +1,162 @@
+"""Scenarios as items of pytest: one for each scenario, seat and mirror, or for each pair."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+import pytest
+
+from overcooked_bench.scenarios import CATEGORIES
+from overcooked_bench.scenarios.errors import ScenarioError
+from overcooked_bench.scenarios.explaining import explain, headline
+from overcooked_bench.scenarios.items import Item, Select, items, load_items, read_files
+from overcooked_bench.scenarios.pytest_bench import TOLD, kitchen
+from overcooked_bench.scenarios.pytest_plugin import BENCH, MARKER, NO_AGENT
+from overcooked_bench.scenarios.results import ItemResult
+
+TERMINAL: Final = 100
+"""Characters of a line of a film."""
+
+
+class ScenarioFailure(Exception):
+    """An item was failed.
+
+    Attributes:
+        told: Why, in many lines.
+    """
+
+    def __init__(self, head: str, told: str) -> None:
+        super().__init__(head)
+        self.told = told
+
+
+class ScenarioItem(pytest.Item):
+    """What an agent passes or fails as a whole.
+
+    Args:
+        entry: The item of the suite.
+
+    Attributes:
+        scenario_record: What came of it, for the summary and the report.
+    """
+
+    def __init__(self, *, entry: Item, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.entry = entry
+        self.scenario_record: dict[str, Any] | None = None
+        self.add_marker(MARKER + entry.category)
+        self.extra_keyword_matches.update((entry.family, entry.category, *entry.tags))
+
+    def setup(self) -> None:
+        """Skips it where there is nobody to test."""
+        if self.config.stash[BENCH] is None:
+            pytest.skip(NO_AGENT)
+
+    def runtest(self) -> None:
+        """Plays it, together with what shares its kitchen, unless that has been done."""
+        bench = self.config.stash[BENCH]
+        assert bench is not None
+        result = bench.result(self.entry, [item.entry for item in self.session.items if isinstance(item, ScenarioItem)])
+        self.scenario_record = {**result.to_dict(), "nodeid": self.nodeid}
+        self.user_properties += _properties(result)
+        if not result.passed:
+            told = explain(result, bench.agent, width=TERMINAL, **bench.replay_settings)
+            raise ScenarioFailure(headline(result), told)
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
+        """Says why it was failed, without a traceback."""
+        error = excinfo.value
+        if not isinstance(error, (ScenarioFailure, *TOLD)):
+            return super().repr_failure(excinfo)
+        return plainly(excinfo, error.told if isinstance(error, ScenarioFailure) else str(error))
+
+    def reportinfo(self) -> tuple[Path, None, str]:
+        """Names the scenario's file."""
+        return Path(self.entry.scenarios[0].source), None, self.entry.id
+
+
+class ScenarioFile(pytest.File):
+    """A scenario that a user wrote."""
+
+    def collect(self) -> Iterator[pytest.Item]:
+        """Gives its items; a pair belongs to the first of its two files."""
+        try:
+            found = items(read_files([self.path]))
+        except ScenarioError as error:
+            raise self.CollectError(str(error)) from None
+        for entry in found:
+            if Path(entry.scenarios[0].source).resolve() == self.path.resolve():
+                yield ScenarioItem.from_parent(self, name=entry.id, entry=entry)
+
+
+def make_items(parent: pytest.Collector, select: Select) -> list[pytest.Item]:
+    """Gives the items that a module binds."""
+    try:
+        found = load_items(select)
+    except ScenarioError as error:
+        raise parent.CollectError(str(error)) from None
+    return [ScenarioItem.from_parent(parent, name=entry.id, entry=entry) for entry in found]
+
+
+def arrange(config: pytest.Config, collected: list[pytest.Item]) -> None:
+    """Leaves out what is not asked for, marks known failures, and prepares the rest for xdist.
+
+    Args:
+        config: Of the session.
+        collected: All items, changed in place.
+
+    Raises:
+        pytest.UsageError: An id occurs in two files, or there is no such category.
+    """
+    known: dict[str, ScenarioItem] = {}
+    for item in collected:
+        if isinstance(item, ScenarioItem) and known.setdefault(item.entry.id, item) is not item:
+            where = [each.entry.scenarios[0].source for each in (known[item.entry.id], item)]
+            raise pytest.UsageError(f"the scenario {item.entry.id} is in {where[0]} and in {where[1]}; rename one")
+    wanted = _categories(config)
+    left_out = [item for item in known.values() if item.entry.category not in wanted]
+    if left_out:
+        config.hook.pytest_deselected(items=left_out)
+        gone = set(left_out)
+        collected[:] = [item for item in collected if item not in gone]
+    bench, workers = config.stash[BENCH], config.pluginmanager.hasplugin("xdist")
+    for item in known.values():
+        if workers:  # --dist loadgroup plays a kitchen's items in one worker
+            item.add_marker(pytest.mark.xdist_group("-".join(map(str, kitchen(item.entry)))))
+        reason = bench.expected(item.entry.id) if bench else None
+        if reason is not None:
+            item.add_marker(pytest.mark.xfail(reason=reason, strict=True))
+    if hasattr(config, "workerinput"):  # a worker is dealt neighbours
+        places = [index for index, item in enumerate(collected) if isinstance(item, ScenarioItem)]
+        ours = [item for item in collected if isinstance(item, ScenarioItem)]
+        for place, item in zip(places, sorted(ours, key=lambda i: (kitchen(i.entry), i.entry.id)), strict=True):
+            collected[place] = item
+
+
+def _categories(config: pytest.Config) -> set[str]:
+    given = config.option.ocb_category
+    if not given:
+        return set(CATEGORIES)
+    wanted = {name.strip() for names in given for name in names.split(",") if name.strip()}
+    strange = sorted(wanted - set(CATEGORIES))
+    if strange or not wanted:
+        raise pytest.UsageError(f"--category {', '.join(strange)}: choose among {', '.join(CATEGORIES)}")
+    return wanted
+
+
+def plainly(excinfo: pytest.ExceptionInfo[BaseException], text: str) -> Any:
+    """Makes a text what pytest shows of a failure, with the error's message as its one line in the short summary."""
+    shown = excinfo.getrepr(style="native")
+    shown.reprtraceback.reprentries = shown.reprtraceback.reprentries[:1]
+    shown.reprtraceback.reprentries[0].lines = [text + "\n"]
+    if shown.reprcrash is not None:
+        shown.reprcrash.message = str(excinfo.value).splitlines()[0]
+    if hasattr(shown, "chain"):
+        shown.chain = shown.chain[-1:]
+    return shown
+
+
+def _properties(result: ItemResult) -> list[tuple[str, object]]:
+    rate = result.rate
+    told: dict[str, object] = {"category": result.item.category, "rate": round(rate.value, 4)}
+    return [*{**told, "wilson_low": round(rate.low, 4), "T*": result.steps, "K": result.budget}.items()]
