@@ -11,9 +11,13 @@ from typing import Any
 
 from overcooked_bench.commands.common import ProgressBar, add_command, names
 from overcooked_bench.commands.common import console as make_console
+from overcooked_bench.commands.pool import add_pool
 
 _EPILOG = "Each command has its own --help with an example."
-_METHODS = ("self-play",)
+_METHODS = (
+    *("self-play", "biased-self-play", "best-response", "partner-sampling"),
+    *("pretrained-partners", "pbt", "population"),
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -83,7 +87,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog=_EPILOG,
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for add in (_add_score, _add_replay, _add_train, _add_list):
+    for add in (_add_score, _add_replay, _add_train, add_pool, _add_list):
         add(commands)
     return parser
 

@@ -37,6 +37,21 @@ def names(text: str) -> list[str]:
     return found
 
 
+def whole(least: int) -> Callable[[str], int]:
+    """Makes a parser of whole numbers from `least`, as argparse's `type`."""
+
+    def parse(text: str) -> int:
+        try:
+            number = int(text)
+        except ValueError:
+            number = least - 1
+        if number < least:
+            raise argparse.ArgumentTypeError(f"{text!r}; give a whole number from {least}")
+        return number
+
+    return parse
+
+
 def console() -> Any:
     """Gives the console for tables: as wide as the terminal, else 100 columns."""
     from rich.console import Console

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -12,11 +11,10 @@ from numpy.typing import NDArray
 from overcooked_bench.agents.agent import Agent, UnknownLayout
 from overcooked_bench.agents.checks import AgentError
 from overcooked_bench.agents.mirror import mirrored
-from overcooked_bench.agents.pool import Pool, PoolError
 from overcooked_bench.evaluation.entrant import agent_maker
 from overcooked_bench.evaluation.play import Games, Party, PlayFault, make_kitchens, play
 from overcooked_bench.evaluation.protocol import Protocol
-from overcooked_bench.evaluation.roster import Partner, roster, seat_partners
+from overcooked_bench.evaluation.roster import Partner, pool_as_hashed, roster, seat_partners
 from overcooked_bench.evaluation.store import Episode, pack_actions, pack_state
 from overcooked_bench.evaluation.streams import stream_key
 from overcooked_bench.evaluation.threads import one_thread
@@ -82,7 +80,7 @@ def play_block(block: Block) -> Outcome:
         AgentError: The agent was changed since the score began.
         PoolError: The pool was.
     """
-    partners = roster(block.protocol, _pool(block.pool, block.pool_sha256), block.layout)
+    partners = roster(block.protocol, pool_as_hashed(block.pool, block.pool_sha256), block.layout)
     who, seats = _deal(block, partners)
     with one_thread():
         make = agent_maker(block.agent, block.agent_sha256, block.protocol.mode)
@@ -113,11 +111,12 @@ def _play(
     adapted: bool,
 ) -> Games:
     protocol, layout = block.protocol, block.layout
+    pool = pool_as_hashed(block.pool, block.pool_sha256)
     with _seeded(stream_key(*_belongs(block), block.training_seed)):
         ego = make(layout.removesuffix(MIRRORED) if adapted else layout, block.training_seed)
         parties = [
             Party(mirrored(ego) if adapted else ego, np.arange(len(who)), seats),
-            *seat_partners(partners, who, 1 - seats, _pool(block.pool, block.pool_sha256), protocol.mode, layout),
+            *seat_partners(partners, who, 1 - seats, pool, protocol.mode, layout),
         ]
         kitchens = make_kitchens(
             layout,
@@ -188,19 +187,6 @@ def _blame(
         where = f"partner {partners[who[fault.row]].name}, seat {seats[fault.row]}"
     step = "at the reset" if fault.step is None else f"step {fault.step}"
     return f"{block.layout}, training seed {block.training_seed}, episode {block.episode}, {where}, {step}: {fault}"
-
-
-@lru_cache(maxsize=2)
-def _pool(folder: str | None, sha256: str | None) -> Pool | None:
-    if folder is None:
-        return None
-    pool = Pool.load(folder)
-    if pool.hash != sha256:
-        raise PoolError(
-            f"{folder}: the pool was changed while it was being played (SHA-256 {str(sha256)[:12]}… when the score "
-            f"began, {pool.hash[:12]}… now); score again, with another --output where some blocks are finished"
-        )
-    return pool
 
 
 @contextmanager

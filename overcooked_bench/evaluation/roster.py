@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.agents.pool import Pool
+from overcooked_bench.agents.pool import Pool, PoolError
 from overcooked_bench.evaluation.entrant import scripted_hash
 from overcooked_bench.evaluation.play import Party
 from overcooked_bench.evaluation.protocol import Protocol, ProtocolError
@@ -62,6 +62,24 @@ def check_pool(pool: Pool, protocol: Protocol, layouts: Sequence[str]) -> None:
         )
 
 
+@lru_cache(maxsize=2)
+def pool_as_hashed(folder: str | None, sha256: str | None) -> Pool | None:
+    """Gives the pool of a folder, read once a process, as it was when playing began; None for no folder.
+
+    Raises:
+        PoolError: It was changed since then, or is damaged.
+    """
+    if folder is None:
+        return None
+    pool = Pool.load(folder)
+    if pool.hash != sha256:
+        raise PoolError(
+            f"{folder}: the pool was changed while it was being played (SHA-256 {str(sha256)[:12]}… when that "
+            f"began, {pool.hash[:12]}… now); run it again, with another --output where some blocks are finished"
+        )
+    return pool
+
+
 def roster(protocol: Protocol, pool: Pool | None, layout: str) -> tuple[Partner, ...]:
     """Lists every partner that is played on a layout, by name.
 
@@ -102,7 +120,8 @@ def seat_partners(
     parties: list[Party] = []
     home = _plain(layout)
     stacks: dict[Architecture, list[int]] = {}
-    for index, partner in enumerate(partners):
+    for index in np.unique(who).tolist():
+        partner = partners[index]
         if partner.kind == TRAINED:
             assert pool is not None
             stacks.setdefault(pool.policy(home, partner.name).architecture, []).append(index)

@@ -52,7 +52,7 @@ def t_interval(values: ArrayLike, lowest: float = -np.inf, highest: float = np.i
     mean = float(given.mean())
     if len(given) < 2:
         return Interval(mean, None, None)
-    half = _t(len(given) - 1) * float(given.std(ddof=1)) / len(given) ** 0.5
+    half = student(len(given) - 1) * float(given.std(ddof=1)) / len(given) ** 0.5
     return Interval(mean, float(max(lowest, mean - half)), float(min(highest, mean + half)))
 
 
@@ -199,7 +199,8 @@ def _seeds_for_lower_bound() -> int:
     return ceil(float(np.log(1 - CONFIDENCE) / np.log(1 - LOW_QUANTILE)))
 
 
-def _t(freedom: float) -> float:
+def student(freedom: float) -> float:
+    """Gives the factor of a two-sided 95 % interval for so many degrees of freedom."""
     from scipy.special import stdtrit  # scipy.stats takes far longer to import
 
     return float(stdtrit(freedom, (1 + CONFIDENCE) / 2))

@@ -1,5 +1,6 @@
 """Scores as a table for the terminal."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from overcooked_bench.evaluation.scores import Cell, Estimate, LayoutScore, Scores
@@ -65,7 +66,7 @@ def cell_text(cell: Cell) -> str:
 
 def _layouts(scores: Scores) -> "Table":
     """Draws means, seats and shares; 80 columns are enough."""
-    table = _table("layout", "mean [95 %]", *(f"seat {seat}" for seat in scores.settings.seats))
+    table = plain_table("layout", "mean [95 %]", *(f"seat {seat}" for seat in scores.settings.seats))
     for soups in scores.settings.thresholds:
         table.add_column(f"≥{soups:g}", justify="right", no_wrap=True)
     for layout in scores.layouts:
@@ -81,7 +82,7 @@ def _layouts(scores: Scores) -> "Table":
 def _partners(scores: Scores) -> "Table":
     """Draws the worst and the best partner, and apart from them the floors."""
     floors = sorted({cell.partner for layout in scores.layouts for cell in layout.floors})
-    table = _table("layout", "worst partner", "best partner", *(f"floor\n{name}" for name in floors))
+    table = plain_table("layout", "worst partner", "best partner", *(f"floor\n{name}" for name in floors))
     for layout in scores.layouts:
         found = {cell.partner: cell for cell in layout.floors}
         means = [f"{found[name].mean.value:.1f}" for name in floors]
@@ -89,14 +90,15 @@ def _partners(scores: Scores) -> "Table":
     return table
 
 
-def _table(first: str, *others: str) -> "Table":
+def plain_table(first: str, *others: str, unbroken: Sequence[str] = ()) -> "Table":
+    """Makes an empty table: the first column to the left, the others to the right; some are never wrapped."""
     from rich import box
     from rich.table import Table
 
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
     table.add_column(first, no_wrap=True)
     for name in others:
-        table.add_column(name, justify="right")
+        table.add_column(name, justify="right", no_wrap=name in unbroken)
     return table
 
 

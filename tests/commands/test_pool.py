@@ -1,0 +1,102 @@
+import json
+
+import pytest
+
+from overcooked_bench.agents.pool import write_manifest
+from overcooked_bench.cli import main
+from tests.agents.policies import record, write_policy
+
+LAYOUT = "cramped_room"
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    """A working directory with a pool of three agents in `mine`."""
+    monkeypatch.chdir(tmp_path)
+    for seed in range(3):
+        write_policy(tmp_path / "mine" / LAYOUT / f"sp-{seed}", seed)
+    write_manifest(tmp_path / "mine", "mine", [record(f"sp-{seed}", seed=seed) for seed in range(3)])
+    return tmp_path
+
+
+def said(capsys):
+    return capsys.readouterr().out
+
+
+def test_show_prints_a_row_an_agent(home, capsys):
+    assert main(["pool", "show", "mine"]) == 0
+    told = said(capsys)
+    for words in ("mine (", "3 agents", LAYOUT, "self-play fast", "200 [190, 210]", "100 100", "0.50", "15.0"):
+        assert words in told, told
+
+
+def test_show_prints_the_entries_as_json(home, capsys):
+    assert main(["pool", "show", "mine", "--layouts", LAYOUT, "--json"]) == 0
+    entries = json.loads(capsys.readouterr().out)
+    assert [entry["name"] for entry in entries] == ["sp-0", "sp-1", "sp-2"]
+    assert entries[0]["profile"]["seats"][1]["pots"] == 7.5
+
+
+def test_a_pool_of_format_1_is_shown_without_profile(capsys):
+    assert main(["pool", "show", "dev-v0", "--layouts", LAYOUT]) == 0
+    told = said(capsys)
+    assert "239 [239, 240]" in told
+    assert "drops  picks" not in told
+
+
+def test_verify_says_whether_a_pool_is_sound(home, capsys):
+    assert main(["pool", "verify", "mine"]) == 0
+    assert said(capsys).endswith("sound, 3 agents played\n")
+    (home / "mine" / LAYOUT / "sp-1.json").write_text("{}")
+    assert main(["pool", "verify", "mine"]) == 1
+    told = said(capsys)
+    assert told.startswith("wrong: pool 'mine', agent cramped_room/sp-1")
+    assert "not sound" in told
+    assert main(["pool", "verify", "mine", "--json"]) == 1
+    assert json.loads(capsys.readouterr().out)["sound"] is False
+
+
+def test_crossplay_prints_a_table_and_writes_the_matrix(home, capsys):
+    arguments = ["pool", "crossplay", "mine", "--layout", LAYOUT, "--episodes", "2", "--workers", "1"]
+    assert main([*arguments, "--agents", "sp-0,sp-2"]) == 0
+    told = said(capsys)
+    for words in ("with strangers", "worst pair", LAYOUT, f"crossplay/mine/{LAYOUT}.png"):
+        assert words in told, told
+    assert {file.name for file in (home / "crossplay" / "mine").iterdir()} == {
+        f"{LAYOUT}.{suffix}" for suffix in ("png", "csv", "json")
+    }
+    assert main([*arguments, "--output", "there", "--json"]) == 0
+    (one,) = json.loads(capsys.readouterr().out)
+    assert json.loads((home / "there" / f"{LAYOUT}.json").read_text()) == one
+    assert len(one["means"]) == 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["show", "nowhere"], "no pool named 'nowhere'"),
+        (["verify", "dev-v00"], "did you mean 'dev-v0'"),
+        (["show", "mine", "--layouts", "forced_coordination"], "it has cramped_room"),
+        (["crossplay", "mine", "--layout", "cramped_rom"], "it has cramped_room"),
+        (["crossplay", "mine", "--agents", "x"], "no agent is named 'x'"),
+        (["crossplay", "mine", "--episodes", "1"], "give a whole number from 2"),
+        (["crossplay", "mine", "--workers", "many"], "give a whole number from 1"),
+        ([], "COMMAND"),
+    ],
+    ids=["show", "verify", "show-layout", "layout", "agents", "episodes", "workers", "nothing"],
+)
+def test_mistakes_end_in_one_message(home, arguments, words, capsys):
+    try:
+        code = main(["pool", *arguments])
+    except SystemExit as stop:  # argparse
+        code = stop.code
+    assert code == 2
+    assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["build", "show", "verify", "crossplay"])
+def test_every_command_has_help_with_an_example(command, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["pool", command, "--help"])
+    assert stop.value.code == 0
+    assert f"overcooked-bench pool {command} " in capsys.readouterr().out.partition("example:")[2]
