@@ -125,6 +125,29 @@ class Ensemble:
         return dealt_rows(self._index, len(self.policies), len(seeds))
 
 
+class JoinedAgents(Ensemble):
+    """Several neural agents as one, each with its own neighbouring rows.
+
+    Args:
+        agents: Of one observation, layout and mode; each keeps its own index, read at every reset.
+        rows: How many rows each of them has.
+
+    Raises:
+        ValueError: Agents of different modes, or what `Ensemble` refuses.
+    """
+
+    def __init__(self, agents: Sequence[NeuralAgent], rows: Sequence[int]) -> None:
+        super().__init__([policy for agent in agents for policy in agent.policies], agents[0].mode)
+        if len({agent.mode for agent in agents}) > 1:
+            raise ValueError("some agents sample and others are greedy; join agents of one mode")
+        self._agents, self._rows = tuple(agents), tuple(rows)
+
+    def _dealt(self, seeds: NDArray[np.uint64]) -> NDArray[np.int64]:
+        firsts = np.cumsum([0, *(len(agent.policies) for agent in self._agents)])
+        parts = zip(firsts, self._agents, self._rows, strict=False)
+        return np.concatenate([first + agent.index_for(rows) for first, agent, rows in parts])
+
+
 class SampledPartners(Ensemble):
     """Frozen policies of which a few, drawn anew at each reset, share out the rows.
 

@@ -3,7 +3,7 @@
 Axes: N kitchens.
 """
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import Agent
-from overcooked_bench.envs.seatmate import Seatmate
+from overcooked_bench.agents.ensemble import JoinedAgents
+from overcooked_bench.agents.neural import NeuralAgent
+from overcooked_bench.envs.seatmate import STATE, Seatmate, find_partner
 from overcooked_bench.kitchen.kitchens import Kitchens
 from overcooked_bench.kitchen.layout import Layout
 
@@ -19,12 +21,16 @@ from overcooked_bench.kitchen.layout import Layout
 class Partners:
     """A list of partners spread evenly over N kitchens, in neighbouring groups.
 
+    Neural agents of one observation and mode act together, in one stacked forward for each architecture; every row
+    plays as its own agent would, up to rounding. What partners see is observed once for all that see the same.
+
     Args:
         partners: Catalogue names, paths or agents.
         layout: Where they play.
         num_kitchens: N, at least as many as partners.
 
     Attributes:
+        given: The list as it was given.
         observations: What the partners are shown.
 
     Raises:
@@ -40,8 +46,25 @@ class Partners:
             not isinstance(partner, str | Path) for partner in partners
         ):
             raise ValueError("one agent object stands in the list twice; give each group of kitchens its own")
-        self._mates = [Seatmate(partner, layout) for partner in partners]
-        self._shares = np.array_split(np.arange(num_kitchens), len(partners))
+        self.given = tuple(partners)
+        shares = np.array_split(np.arange(num_kitchens), len(partners))
+        together: dict[Hashable, list[int]] = {}  # of neural agents, those that can act together
+        agents, names = zip(*(find_partner(partner, layout) for partner in partners), strict=True)
+        for i, agent in enumerate(agents):
+            joinable = type(agent) is NeuralAgent
+            kind = (agent.observation, agent.layout, agent.mode) if joinable else i
+            together.setdefault(kind, []).append(i)
+        self._mates: list[Seatmate] = []
+        self._shares: list[NDArray[np.int64]] = []
+        for group in together.values():
+            parts = [shares[i] for i in group]
+            if len(group) > 1:
+                self._mates.append(
+                    Seatmate(JoinedAgents([agents[i] for i in group], list(map(len, parts))), "policies")
+                )
+            else:
+                self._mates.append(Seatmate(agents[group[0]], names[group[0]]))
+            self._shares.append(np.concatenate(parts))
         self.observations = tuple(mate.observation for mate in self._mates)
 
     def shown_by(self, kitchens: Kitchens) -> None:
@@ -55,15 +78,16 @@ class Partners:
 
     def reset(self, kitchens: Kitchens, seats: NDArray[np.int64], seeds: NDArray[np.uint64]) -> None:
         """Starts new episodes in all kitchens; `seats` (N,) are the partners' own, `seeds` (N,) uint64."""
+        self._seats = seats
         for mate, share in zip(self._mates, self._shares, strict=True):
-            mate.reset(kitchens, seats[share], seeds[share], share)
+            mate.reset(kitchens, seats, seeds, share)
 
     def act(self, kitchens: Kitchens) -> NDArray[np.int64]:
         """Asks every partner for its actions: (N,) whole numbers."""
-        shown: dict[str, Any] = {}
+        shown: dict[str, Any] = {STATE: None}
         actions = np.empty(kitchens.num_kitchens, np.int64)
         for mate, share in zip(self._mates, self._shares, strict=True):
-            if len(self._mates) > 1 and mate.observation not in (*shown, "state"):
-                shown[mate.observation] = kitchens.observe(mate.observation)
-            actions[share] = mate.act(kitchens, shown.get(mate.observation))
+            if mate.observation not in shown:
+                shown[mate.observation] = kitchens.observe(mate.observation, seats=self._seats)
+            actions[share] = mate.act(kitchens, shown[mate.observation])
         return actions

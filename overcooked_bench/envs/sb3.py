@@ -4,7 +4,7 @@ Axes: N kitchens, R rows that the learner sees (N against partners, 2 N in self-
 """
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +15,10 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from overcooked_bench.agents.agent import Agent
+from overcooked_bench.envs.event_rewards import event_weights
 from overcooked_bench.envs.frames import frame
 from overcooked_bench.envs.partners import Partners
+from overcooked_bench.envs.recording import Recording, generator_state, set_generator_state
 from overcooked_bench.envs.seatmate import RANDOM_SEAT, STAY_ACTION, checked_seat
 from overcooked_bench.envs.spaces import action_space, history_for, observation_space
 from overcooked_bench.kitchen.kitchens import Kitchens
@@ -43,6 +45,8 @@ class OvercookedVecEnv(VecEnv):
         object_probability: Chance of each pot and each pair of hands to be filled at the start.
         horizon: Steps of an episode.
         shaping: Weight of a row's own partial rewards in its reward; `set_shaping` changes it.
+        event_rewards: Names of `kitchen.events.EVENTS` to reward points, added to a row's reward whenever its own chef
+            causes the event, whatever the shaping.
 
     Attributes:
         kitchens: The game itself.
@@ -65,10 +69,13 @@ class OvercookedVecEnv(VecEnv):
         object_probability: float = 0.0,
         horizon: int = 400,
         shaping: float = 0.0,
+        event_rewards: Mapping[str, float] | None = None,
     ) -> None:
         plan = Layout.load(layout)
         self._seat = checked_seat(seat)
         self._partners = None if self_play else Partners(partners, plan, num_envs)
+        self._next_partners: Partners | None = None
+        self._event_weights = event_weights(event_rewards) if event_rewards else None
         self.kitchens = Kitchens(
             plan,
             num_envs,
@@ -76,6 +83,7 @@ class OvercookedVecEnv(VecEnv):
             horizon=horizon,
             start=start,
             object_probability=object_probability,
+            events=self._event_weights is not None,
             history=history_for(observation, *(self._partners.observations if self._partners else ())),
         )
         if self._partners:
@@ -85,6 +93,7 @@ class OvercookedVecEnv(VecEnv):
         self._shaping = float(shaping)
         self._num_kitchens = num_envs
         self._rng = np.random.default_rng()
+        self._recording = Recording(num_envs)
         self._joint = np.full((num_envs, 2), STAY_ACTION, np.int64)
         rows = 2 * num_envs if self_play else num_envs
         self._returns = np.zeros(rows)
@@ -98,6 +107,23 @@ class OvercookedVecEnv(VecEnv):
     def set_shaping(self, weight: float) -> None:
         """Sets the weight of partial rewards from the next step on."""
         self._shaping = float(weight)
+
+    @property
+    def partners(self) -> tuple[str | Path | Agent, ...]:
+        """Who plays the running episode, as given; nobody in self-play."""
+        return self._partners.given if self._partners else ()
+
+    def set_partners(self, partners: Sequence[str | Path | Agent]) -> None:
+        """Changes the partners from the next episode on; the running one is played to its end with the old ones.
+
+        Raises:
+            ValueError: In self-play, or what the constructor refuses.
+        """
+        if not self._partners:
+            raise ValueError("in self-play both seats are the learner's; make the environment without self_play")
+        chosen = Partners(partners, self.kitchens.layout, self._num_kitchens)
+        chosen.shown_by(self.kitchens)
+        self._next_partners = chosen
 
     def reset(self) -> VecEnvObs:
         """Starts new episodes everywhere: (R, ...) observations.
@@ -140,8 +166,13 @@ class OvercookedVecEnv(VecEnv):
         if self._partners:
             self._joint.reshape(-1)[self._rows ^ 1] = self._partners.act(self.kitchens)
         result = self.kitchens.step(self._joint)
+        if self._partners:
+            self._recording.note(self._joint)
         soup = result.soup_reward.sum(1)
         rewards = soup[self._rows >> 1] + self._shaping * result.partial_reward.reshape(-1)[self._rows]
+        if self._event_weights is not None:
+            assert result.events is not None
+            rewards += result.events.reshape(-1, len(self._event_weights))[self._rows] @ self._event_weights
         self._returns += rewards
         self._soup_returns += soup
         dones = result.truncated[self._rows >> 1]
@@ -149,30 +180,46 @@ class OvercookedVecEnv(VecEnv):
         return self._views(), rewards.astype(np.float32), dones, infos
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
-        """Gives all that the future depends on, as arrays; only in self-play, since partners keep their own state.
+        """Gives all that the future depends on, as arrays.
 
-        Raises:
-            ValueError: There are partners.
+        Against partners that is the running episode from its start, since what they remember is their own.
         """
-        if self._partners:
-            raise ValueError("an environment with partners cannot be saved: what they remember is their own")
-        return {
+        arrays = {
             **{f"kitchens.{name}": array for name, array in self.kitchens.snapshot().items()},
             "returns": self._returns.copy(),
             "soup_returns": self._soup_returns.copy(),
             "shaping": np.array(self._shaping),
         }
+        if self._partners:
+            arrays |= {f"episode.{name}": array for name, array in self._recording.arrays().items()}
+            arrays["random"] = generator_state(self._rng)
+        return arrays
 
     def restore(self, arrays: dict[str, NDArray[Any]]) -> None:
         """Goes back to a `snapshot`; a seed that waits for the next reset is forgotten.
 
+        Against partners, first set those who played then (the constructor's, or `set_partners`, which takes effect at
+        once here): they are reset as at the start of the saved episode and play it again. Their play must depend on
+        what `reset` told them and on what they see alone.
+
         Raises:
-            ValueError: There are partners, or the snapshot is of other kitchens.
+            ValueError: The snapshot is of another environment, other partners play, or a kitchen was set to a state
+                within the episode. Call `reset` before playing on after that.
         """
-        if self._partners:
-            raise ValueError("an environment with partners cannot be restored: what they remember is their own")
-        kitchens = {k.removeprefix("kitchens."): v for k, v in arrays.items() if k.startswith("kitchens.")}
+        if ("random" in arrays) != bool(self._partners):
+            theirs, ours = (
+                ("with partners", "in self-play") if "random" in arrays else ("in self-play", "with partners")
+            )
+            raise ValueError(f"the snapshot was made {theirs}, and this environment is {ours}")
+        kitchens = _within("kitchens.", arrays)
         self.kitchens.restore(kitchens)
+        if self._partners:
+            self._partners, self._next_partners = self._next_partners or self._partners, None
+            self._recording.replay(_within("episode.", arrays), self.kitchens, self._partners)
+            if any((array != kitchens[name]).any() for name, array in self.kitchens.snapshot().items()):
+                raise ValueError("a kitchen was set to a state within the episode, which cannot be played again")
+            self._rows = 2 * np.arange(self._num_kitchens) + 1 - self._recording.seats
+            set_generator_state(self._rng, arrays["random"])
         self._returns[...] = arrays["returns"]
         self._soup_returns[...] = arrays["soup_returns"]
         self._shaping = float(arrays["shaping"])
@@ -200,11 +247,13 @@ class OvercookedVecEnv(VecEnv):
         self._returns[:] = 0
         self._soup_returns[:] = 0
         if self._partners:
+            self._partners, self._next_partners = self._next_partners or self._partners, None
             n = self._num_kitchens
             drawn = self._rng.integers(2, size=n)
             seats = drawn if self._seat == RANDOM_SEAT else np.full(n, self._seat)
             self._rows = 2 * np.arange(n) + seats
             seeds = self._rng.integers(2**63, size=n).astype(np.uint64)
+            self._recording.begin(self.kitchens, 1 - seats, seeds)
             self._partners.reset(self.kitchens, 1 - seats, seeds)
 
     def _views(self) -> NDArray[Any]:
@@ -255,3 +304,7 @@ class OvercookedVecEnv(VecEnv):
         chosen: Iterable[int] = self._get_indices(indices)
         if len(set(chosen)) != self.num_envs:
             raise ValueError("rows of one OvercookedVecEnv share one environment; leave `indices` out to mean all")
+
+
+def _within(prefix: str, arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    return {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}

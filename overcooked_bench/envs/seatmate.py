@@ -19,27 +19,28 @@ STAY_ACTION: Final = STAY
 LARGEST_DRAW: Final = 2**63
 """One draw an episode serves both the ego agent's seat, the lowest bit, and the partner's seed, the others."""
 
-_STATE: Final = "state"
+STATE: Final = "state"
+"""The observation of agents that are given each kitchen's `KitchenState`."""
 
 
 class Seatmate:
     """One agent that plays the other seat of N kitchens, asked once a step for all of them.
 
     Args:
-        partner: A catalogue name, the path of a submission, or an Agent.
-        layout: Where it plays.
+        agent: Who plays.
+        name: What it is called in messages.
 
     Attributes:
         observation: What the agent is shown, a name of `Kitchens.observe` or "state".
     """
 
-    def __init__(self, partner: str | Path | Agent, layout: Layout) -> None:
-        self._agent, self._name = _find(partner, layout)
-        self.observation = self._agent.observation
-        if self.observation not in (*OBSERVATIONS, _STATE):
+    def __init__(self, agent: Agent, name: str) -> None:
+        self._agent, self._name = agent, name
+        self.observation = agent.observation
+        if self.observation not in (*OBSERVATIONS, STATE):
             raise ValueError(
-                f"partner {self._name} has observation={self.observation!r}; "
-                f"choose one of {', '.join((*OBSERVATIONS, _STATE))}"
+                f"partner {name} has observation={self.observation!r}; "
+                f"choose one of {', '.join((*OBSERVATIONS, STATE))}"
             )
 
     def reset(
@@ -55,35 +56,36 @@ class Seatmate:
             kitchens: The kitchens.
             seats: (N,) the partner's own seats.
             seeds: (N,) uint64.
-            share: (N,) which of the kitchens this partner serves, all by default.
+            share: (M,) which of the kitchens this partner serves, all by default.
         """
-        share = np.arange(kitchens.num_kitchens) if share is None else share
-        self._rows, self._seats = 2 * share + seats, seats if len(share) == kitchens.num_kitchens else None
-        self._agent.reset(kitchens.layout.name, seats, seeds)
+        self._share = np.arange(kitchens.num_kitchens) if share is None else share
+        neighbours = bool((np.diff(self._share) == 1).all())
+        self._where = slice(self._share[0], self._share[-1] + 1) if neighbours else self._share
+        self._seats = seats
+        self._agent.reset(kitchens.layout.name, seats[self._where], seeds[self._where])
 
     def act(self, kitchens: Kitchens, views: NDArray[Any] | None = None) -> NDArray[Any]:
         """Asks for the next actions.
 
         Args:
             kitchens: The kitchens.
-            views: What `kitchens.observe` gives for this partner's observation, where the caller has it already.
+            views: (N, ...) what `kitchens.observe` gives for this partner's observation and seats, where the caller
+                has it already.
 
         Returns:
-            (N,) whole numbers.
+            (M,) whole numbers.
 
         Raises:
             ValueError: The agent answered with something else.
         """
-        n = len(self._rows)
+        n = len(self._share)
         shown: Any
-        if self.observation == _STATE:
-            shown = [kitchens.state(int(row) >> 1) for row in self._rows]
+        if self.observation == STATE:
+            shown = [kitchens.state(int(i)) for i in self._share]
         else:
-            if views is None and self._seats is not None:
-                shown = kitchens.observe(self.observation, seats=self._seats)
-            else:
-                views = kitchens.observe(self.observation) if views is None else views
-                shown = views.reshape(-1, *views.shape[2:]).take(self._rows, 0)
+            if views is None:
+                views = kitchens.observe(self.observation, seats=self._seats)
+            shown = views[self._where]
         actions = np.asarray(self._agent.act(shown))
         if actions.shape != (n,) or actions.dtype.kind not in "iu":
             raise ValueError(
@@ -98,13 +100,13 @@ class Seatmate:
         Raises:
             ValueError: They cannot; says why.
         """
-        if self.observation != _STATE:
+        if self.observation != STATE:
             kitchens.observation_shape(self.observation)
 
 
 def seatmate(partner: str | Path | Agent, layout: Layout) -> Seatmate | None:
     """Gives the partner, or None for "stay", which needs no asking: its action is always `STAY_ACTION`."""
-    return None if isinstance(partner, str) and partner == "stay" else Seatmate(partner, layout)
+    return None if isinstance(partner, str) and partner == "stay" else Seatmate(*find_partner(partner, layout))
 
 
 def checked_seat(seat: str | int) -> str | int:
@@ -132,7 +134,12 @@ def needed_layout(layout: str | Path | Layout | None) -> Layout:
     return Layout.load(layout)
 
 
-def _find(partner: str | Path | Agent, layout: Layout) -> tuple[Agent, str]:
+def find_partner(partner: str | Path | Agent, layout: Layout) -> tuple[Agent, str]:
+    """Gives a partner, a catalogue name, the path of a submission or an Agent, as an agent, and what to call it.
+
+    Raises:
+        TypeError: It is no agent.
+    """
     if isinstance(partner, str | Path):
         from overcooked_bench.agents.catalogue import load_agent
 

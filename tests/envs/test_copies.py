@@ -6,7 +6,9 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
+from overcooked_bench.agents.neural import NeuralAgent
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
+from tests.agents.policies import make_policy
 
 ID, ROWS, STEPS = "Overcooked/CrampedRoom-v0", 4, 45
 
@@ -45,12 +47,16 @@ def test_a_copy_plays_the_same_game_and_leaves_the_first_alone(make, partner):
     assert (views != views[:1]).any()
 
 
-def test_a_copy_of_what_stable_baselines3_learns_from():
-    envs = OvercookedVecEnv("cramped_room", ROWS, self_play=True, horizon=30)
+@pytest.mark.parametrize("partners", [None, ["greedy", "neural"]], ids=["self-play", "partners"])
+def test_a_copy_of_what_stable_baselines3_learns_from(partners, tmp_path):
+    if partners:
+        partners = [NeuralAgent(make_policy(tmp_path)) if name == "neural" else name for name in partners]
+    envs = OvercookedVecEnv("cramped_room", ROWS, self_play=not partners, partners=partners or (), horizon=30)
     envs.seed(0)
     envs.reset()
+    envs.step(np.zeros(envs.num_envs, int))
     twin = copy.deepcopy(envs)
-    for actions in np.random.default_rng(0).integers(0, 6, (20, 2 * ROWS)):
+    for actions in np.random.default_rng(0).integers(0, 6, (40, envs.num_envs)):
         mine, expected = twin.step(actions), envs.step(actions)
         for one, other in zip(mine[:3], expected[:3], strict=True):
             np.testing.assert_array_equal(one, other)

@@ -1,0 +1,38 @@
+"""Rewards for what a chef does besides the soups: a weight for each of the kitchen's events.
+
+Self-play under random weights makes partners with habits of their own (Yu et al. 2023, "Learning Zero-Shot Cooperation
+with Humans, Assuming Humans Are Biased").
+"""
+
+import difflib
+from collections.abc import Mapping
+from math import isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overcooked_bench.kitchen.events import EVENTS
+
+
+def event_weights(event_rewards: Mapping[str, float]) -> NDArray[np.float64]:
+    """Gives the weight of every event.
+
+    Args:
+        event_rewards: Names of `EVENTS` to reward points; events that are not named have the weight 0.
+
+    Returns:
+        (25,) float64 in the order of `EVENTS`.
+
+    Raises:
+        ValueError: An unknown event (says the nearest), or a weight that is no finite number.
+    """
+    weights = np.zeros(len(EVENTS))
+    for name, weight in event_rewards.items():
+        if name not in EVENTS:
+            near = difflib.get_close_matches(str(name), EVENTS, n=1, cutoff=0.5)
+            hint = f"did you mean {near[0]!r}? " if near else ""
+            raise ValueError(f"event_rewards names {name!r}; {hint}Events are {', '.join(EVENTS)}")
+        if not isfinite(weight):
+            raise ValueError(f"event_rewards[{name!r}]={weight!r}; give a finite number of reward points")
+        weights[EVENTS.index(name)] = weight
+    return weights
