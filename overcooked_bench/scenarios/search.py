@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.kitchen.codes import COUNTER, NUM_ACTIONS, ONION_DISPENSER, POT_IDLE
+from overcooked_bench.kitchen.codes import COUNTER, NUM_ACTIONS, POT_IDLE
 from overcooked_bench.kitchen.convert import read_state, write_state
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.rules import Plan, compile_plan, step_kitchens
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 ENDLESS: Final = 1 << 40
 """A horizon that no search reaches: how long a scenario lasts is the caller's matter."""
+
+MOST_STATES: Final = 1 << 20
+"""States after which a search is given up; about seven seconds and 300 MB."""
 
 _TOGETHER: Final = 682  # states whose children are stepped in one call; 4 MB of pictures that nobody looks at
 _Rows = NDArray[np.uint16]
@@ -71,10 +74,11 @@ class Search:
         self._limits = np.array([limits[counter] for counter in self._counters], np.uint16)
         self._columns = len(self._plan.fresh) + CELLS + len(self._plan.pots)
         alters = (self._plan.fresh == POT_IDLE) | (self._plan.fresh == COUNTER)
-        assert COUNTER < ONION_DISPENSER
+        self._places = np.flatnonzero(self._plan.fresh == COUNTER)
         self._changing = np.concatenate([np.ones(CELLS, np.bool_), alters, np.ones(len(self._plan.pots), np.bool_)])
         self._scratch = Batch(1, len(self._plan.fresh), len(self._plan.pots))
         self._desk = _Desk(self._plan)
+        self._answers: dict[Behaviour, _Answers] = {}
 
     def row(self, state: KitchenState) -> _Rows:
         """Gives a state as a kitchen's row, (R,)."""
@@ -96,6 +100,12 @@ class Search:
         after = self._desk.step(row[None], np.array([actions], np.int64))
         return after[0], self._count(row[None], after, counts[None], np.array([actions], np.int64))[0]
 
+    def answer(self, row: _Rows, partner: "Behaviour", t: int) -> int:
+        """Asks a partner what it does in a state, (R,)."""
+        self._scratch.rows[0] = row
+        state = read_state(self._scratch, self._plan, self._layout, 0)
+        return partner.act(self._layout, state, 1 - self._seat, t)
+
     def no_counts(self) -> _Rows:
         """Gives the counts of a start, (K,)."""
         return np.zeros(len(self._counters), np.uint16)
@@ -108,7 +118,14 @@ class Search:
         return self._accept.value(moment) & ~lost, lost
 
     def run(
-        self, row: _Rows, counts: _Rows, partner: "Behaviour", t: int, limit: int, most: int = 1 << 23
+        self,
+        row: _Rows,
+        counts: _Rows,
+        partner: "Behaviour",
+        t: int,
+        limit: int,
+        most: int = MOST_STATES,
+        clutter: int | None = None,
     ) -> Found | None:
         """Finds a shortest way to the goal.
 
@@ -119,6 +136,8 @@ class Search:
             t: The partner's time.
             limit: Steps within which to reach the goal.
             most: States after which to give up.
+            clutter: Things on counters, more than there are now, above which to look no further; the way that is found
+                may then be longer than the shortest one, and there may be one where none is found.
 
         Returns:
             The way, or None where there is none.
@@ -130,13 +149,17 @@ class Search:
         reached, lost = self.judge(rows, counted)
         if reached[0] or lost[0]:
             return Found((), ()) if reached[0] else None
-        answers = _Answers(partner, self._layout, self._plan, 1 - self._seat, self._scratch)
+        things = self._columns if clutter is None else int(self._things(rows)[0]) + clutter
+        answers = self._answers.get(partner)
+        if answers is None:
+            answers = _Answers(partner, self._layout, self._plan, 1 - self._seat, self._scratch)
+            self._answers[partner] = answers
         seen = set(self._keys(rows, counted, partner.phase(t)))
         layers: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
         for now in range(t, t + limit):
             phase = partner.phase(now + 1)
             joint = answers.joint(rows, self._seat, now)
-            children, child_counts, parents, goal = self._expand(rows, counted, joint, phase, seen)
+            children, child_counts, parents, goal = self._expand(rows, counted, joint, phase, seen, things)
             layers.append((parents, joint[parents]))
             if goal >= 0:
                 return _trace(layers, goal, self._seat)
@@ -148,7 +171,7 @@ class Search:
         return None
 
     def _expand(
-        self, rows: _Rows, counts: _Rows, joint: NDArray[np.int64], phase: int, seen: set[bytes]
+        self, rows: _Rows, counts: _Rows, joint: NDArray[np.int64], phase: int, seen: set[bytes], things: int
     ) -> tuple[_Rows, _Rows, NDArray[np.int64], int]:
         """Plays all N x 6 joint actions.
 
@@ -169,9 +192,10 @@ class Search:
                     seen.add(key)
                     new.append(i)
             reached, lost = self.judge(after[new], counted[new])
+            lost |= self._things(after[new]) > things
             chosen = np.array(new, np.int64)[~lost]
             kept.append((after[chosen], counted[chosen], chosen + start * NUM_ACTIONS))
-            if reached.any():
+            if reached[~lost].any():
                 number += int(np.argmax(reached[~lost]))
                 return *_joined(kept), number
             number += len(chosen)
@@ -183,6 +207,12 @@ class Search:
         seats = np.full(len(before), self._seat)
         brought = count_step(self._counters, seats, self._plan, before, after, actions)
         return np.minimum(counts + brought.astype(np.uint16), self._limits)
+
+    def _things(self, rows: _Rows) -> NDArray[np.int64]:
+        """Counts the things that lie on counters, (N,)."""
+        cells = rows[:, CELLS:][:, self._places]
+        counted: NDArray[np.int64] = np.sum(cells != COUNTER, axis=1, dtype=np.int64)
+        return counted
 
     def _keys(self, rows: _Rows, counts: _Rows, phase: int) -> list[bytes]:
         small = np.ascontiguousarray(np.concatenate([rows[:, self._changing], counts], axis=1).astype(np.uint8))

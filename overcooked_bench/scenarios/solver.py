@@ -2,7 +2,8 @@
 
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from overcooked_bench.scenarios.search import Search
+from overcooked_bench.scenarios.errors import ScenarioError
+from overcooked_bench.scenarios.search import Search, TooManyStates
 
 if TYPE_CHECKING:
     from overcooked_bench.scenarios.scenario import Situation
@@ -34,7 +35,7 @@ def solve(situation: "Situation", limit: int | None = None) -> Solution | None:
         The solution, or None where there is none within the limit.
 
     Raises:
-        TooManyStates: The search was given up before anything was known.
+        ScenarioError: The search was given up before anything was known.
     """
     if limit is None:
         limit = LONGEST if situation.scenario.budget is None else situation.scenario.budget
@@ -42,7 +43,12 @@ def solve(situation: "Situation", limit: int | None = None) -> Solution | None:
     row, counts = search.row(situation.state), search.no_counts()
     for joint in situation.before:
         row, _ = search.step(row, counts, joint)
-    found = search.run(row, counts, situation.behaviour, 0, limit)
+    try:
+        found = search.run(row, counts, situation.behaviour, 0, limit)
+    except TooManyStates as error:
+        raise ScenarioError(
+            f"{situation.scenario.source}: {situation.id}: {error}; give a smaller budget, or ask for less"
+        ) from None
     return None if found is None else Solution(len(found.actions), found.actions)
 
 

@@ -5,9 +5,9 @@ Nothing is dropped but by the behaviours that put things on counters; whoever ho
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
-from overcooked_bench.agents.scripts.behaviour import Behaviour, Scene, Sight
+from overcooked_bench.agents.scripts.behaviour import Behaviour, Content, Scene, Sight
 from overcooked_bench.agents.scripts.timed import FROZEN
 from overcooked_bench.agents.scripts.walking import SIGHTS, Manner, go, nearest, rest
 from overcooked_bench.kitchen.codes import MAX_INGREDIENTS, STAY, Position
@@ -37,7 +37,7 @@ class Job(Behaviour):
         then: What it does while there is no errand.
     """
 
-    errand: "Callable[[Job, Scene], Errand | None]"
+    errand: "Finder"
     manner: Manner = "polite"
     counters: tuple[Position, ...] = ()
     item: str = "onion"
@@ -66,18 +66,22 @@ class Job(Behaviour):
         return rest(scene, self.manner) if action == STAY else action
 
 
+Finder = Callable[[Job, Scene], Errand | None]
+"""What finds the next errand of a job."""
+
+
 def carry(job: Job, scene: Scene) -> Errand | None:
     """Finishes with what is in hand: an ingredient to a pot that takes it, a dish to a soup, a soup to be served."""
     if scene.holding in ("onion", "tomato"):
-        filled = {cell: n for cell, n in _pots(scene) if isinstance(n, int) and n < MAX_INGREDIENTS}
+        filled = {cell: n for cell, n in pots(scene) if isinstance(n, int) and n < MAX_INGREDIENTS}
         # The fullest of the nearest.
         cell = nearest(scene, job.manner, sorted(filled, key=lambda pot: -filled[pot]))
         return cell and Errand(cell)
     if scene.holding == "dish":
-        ready = nearest(scene, job.manner, [cell for cell, what in _pots(scene) if what == "ready"])
+        ready = nearest(scene, job.manner, [cell for cell, what in pots(scene) if what == "ready"])
         if ready:
             return Errand(ready)
-        cooking = nearest(scene, job.manner, [cell for cell, what in _pots(scene) if what == "cooking"])
+        cooking = nearest(scene, job.manner, [cell for cell, what in pots(scene) if what == "cooking"])
         return cooking and Errand(cooking, ready=False)
     if scene.holding == "soup":
         cell = nearest(scene, job.manner, scene.layout.positions("S"))
@@ -87,15 +91,15 @@ def carry(job: Job, scene: Scene) -> Errand | None:
 
 def onions(job: Job, scene: Scene) -> Errand | None:
     """Brings ingredients of its kind from the dispensers, as long as a pot takes one."""
-    if scene.holding is None and any(isinstance(n, int) and n < MAX_INGREDIENTS for _, n in _pots(scene)):
-        return _fetch(job, scene, job.item)
+    if scene.holding is None and any(isinstance(n, int) and n < MAX_INGREDIENTS for _, n in pots(scene)):
+        return fetch(job, scene, job.item)
     return carry(job, scene) if scene.holding == job.item else None
 
 
 def plater(job: Job, scene: Scene) -> Errand | None:
     """Takes a dish once a soup is on the way, plates and serves."""
-    if scene.holding is None and any(what in ("cooking", "ready") for _, what in _pots(scene)):
-        return _fetch(job, scene, "dish")
+    if scene.holding is None and any(what in ("cooking", "ready") for _, what in pots(scene)):
+        return fetch(job, scene, "dish")
     return carry(job, scene) if scene.holding in ("dish", "soup") else None
 
 
@@ -103,11 +107,11 @@ def receiver(job: Job, scene: Scene) -> Errand | None:
     """Takes from its counters what the pots can use, and soups; brings all that to its place."""
     if scene.holding is not None:
         return carry(job, scene)
-    pots = [what for _, what in _pots(scene)]
+    cooked = [what for _, what in pots(scene)]
     useful = {"soup"} if scene.layout.positions("S") else set()
-    if any(what in ("cooking", "ready") for what in pots):
+    if any(what in ("cooking", "ready") for what in cooked):
         useful.add("dish")
-    if any(isinstance(n, int) and n < MAX_INGREDIENTS for n in pots):
+    if any(isinstance(n, int) and n < MAX_INGREDIENTS for n in cooked):
         useful |= {"onion", "tomato"}
     cell = nearest(scene, job.manner, [cell for cell in job.counters if scene.content(cell) in useful])
     return cell and Errand(cell)
@@ -117,7 +121,7 @@ def dumper(job: Job, scene: Scene) -> Errand | None:
     """Fetches one kind of thing over and over and puts it on its counters, as long as there is room."""
     if scene.holding is not None:
         return lay(job, scene)
-    return _fetch(job, scene, job.item) if any(scene.content(cell) is None for cell in job.counters) else None
+    return fetch(job, scene, job.item) if any(scene.content(cell) is None for cell in job.counters) else None
 
 
 def lay(job: Job, scene: Scene) -> Errand | None:
@@ -126,12 +130,6 @@ def lay(job: Job, scene: Scene) -> Errand | None:
         return None
     cell = nearest(scene, job.manner, [cell for cell in job.counters if scene.content(cell) is None])
     return cell and Errand(cell)
-
-
-ERRANDS: Final[dict[str, Callable[[Job, Scene], Errand | None]]] = {
-    errand.__name__: errand for errand in (carry, onions, plater, receiver, dumper, lay)
-}
-"""The jobs by name."""
 
 
 @dataclass(frozen=True)
@@ -167,11 +165,13 @@ class Pace(Behaviour):
         return go(scene, self.manner, self.cells[scene.time // self.every], interact=False)
 
 
-def _pots(scene: Scene) -> list[tuple[Position, object]]:
+def pots(scene: Scene) -> list[tuple[Position, Content]]:
+    """Lists the pots that are looked at, with what is in them."""
     return [(cell, what) for cell, what in scene.contents if scene.layout.tile(cell) == "P"]
 
 
-def _fetch(job: Job, scene: Scene, item: str) -> Errand | None:
+def fetch(job: Job, scene: Scene, item: str) -> Errand | None:
+    """Goes to the nearest dispenser of a thing."""
     tiles = {"onion": "O", "tomato": "T", "dish": "D"}[item]
     cell = nearest(scene, job.manner, scene.layout.positions(tiles))
     return cell and Errand(cell)

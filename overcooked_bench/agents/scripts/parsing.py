@@ -5,7 +5,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final, NamedTuple
 
 from overcooked_bench.agents.scripts.behaviour import Behaviour
-from overcooked_bench.agents.scripts.jobs import ERRANDS, Job, Pace
+from overcooked_bench.agents.scripts.helping import helper
+from overcooked_bench.agents.scripts.jobs import Finder, Job, Pace, carry, dumper, lay, onions, plater, receiver
 from overcooked_bench.agents.scripts.timed import FROZEN, Loop, Noisy, Script, Switch
 from overcooked_bench.agents.scripts.walking import Manner
 from overcooked_bench.kitchen.codes import ACTION_NAMES, Position
@@ -43,8 +44,14 @@ KINDS: Final[dict[str, Kind]] = {
     "receiver": Kind(("counters",), walks=True),
     "dumper": Kind(("counters",), ("item",), walks=True),
     "lay": Kind(("counters",), walks=True),
+    "helper": Kind((), ("counters",), walks=True),
 }
 """All behaviours by the name that `does` gives."""
+
+ERRANDS: Final[dict[str, Finder]] = {
+    errand.__name__: errand for errand in (carry, onions, plater, receiver, dumper, lay, helper)
+}
+"""The jobs by name."""
 
 MANNERS: Final[dict[str, Manner]] = {"insist": "insist", "yields": "yield"}
 """Manners by the key that asks for them."""
