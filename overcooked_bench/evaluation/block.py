@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from overcooked_bench.agents.agent import Agent, UnknownLayout
 from overcooked_bench.agents.checks import AgentError
 from overcooked_bench.agents.mirror import mirrored
+from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.evaluation.entrant import agent_maker
 from overcooked_bench.evaluation.play import Games, Party, PlayFault, make_kitchens, play
 from overcooked_bench.evaluation.protocol import Protocol
 from overcooked_bench.evaluation.roster import Partner, pool_as_hashed, roster, seat_partners
 from overcooked_bench.evaluation.store import Episode, pack_actions, pack_state
 from overcooked_bench.evaluation.streams import stream_key
-from overcooked_bench.evaluation.threads import one_thread
 from overcooked_bench.kitchen.layout import MIRRORED
 
 

@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.agents.pool import Pool, PoolAgent, PoolError
+from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.evaluation.engines import map_tasks
 from overcooked_bench.evaluation.matrix import agreement
 from overcooked_bench.evaluation.play import make_kitchens, play
 from overcooked_bench.evaluation.roster import TRAINED, Partner, pool_as_hashed, seat_partners
 from overcooked_bench.evaluation.scores import Estimate, Source
 from overcooked_bench.evaluation.streams import stream_key
-from overcooked_bench.evaluation.threads import one_thread
 
 SCHEMA: Final = 1
 EPISODES: Final = 20

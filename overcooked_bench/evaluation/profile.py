@@ -12,10 +12,10 @@ from overcooked_bench.agents.agent import sample_actions
 from overcooked_bench.agents.neural import Mode, PolicyStack
 from overcooked_bench.agents.policy import Policy
 from overcooked_bench.agents.records import Profile, SeatProfile, SelfPlay
+from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.evaluation.play import Party, make_kitchens, play
 from overcooked_bench.evaluation.statistics import t_interval
 from overcooked_bench.evaluation.streams import stream_key
-from overcooked_bench.evaluation.threads import one_thread
 from overcooked_bench.kitchen.codes import COUNTER, DIRECTIONS, ONION_DISPENSER, POT_IDLE
 from overcooked_bench.kitchen.events import EVENTS
 from overcooked_bench.kitchen.kitchens import Kitchens, StepResult

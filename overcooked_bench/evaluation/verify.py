@@ -15,10 +15,10 @@ from overcooked_bench.agents.lineage import Finding, check_lineages
 from overcooked_bench.agents.neural import PolicyStack
 from overcooked_bench.agents.policy import PolicyError
 from overcooked_bench.agents.pool import Pool, PoolError, find_pool, read_manifest, shipped_pools
+from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.evaluation.play import PlayFault, make_kitchens, play
 from overcooked_bench.evaluation.roster import TRAINED, Partner, seat_partners
 from overcooked_bench.evaluation.streams import stream_key
-from overcooked_bench.evaluation.threads import one_thread
 from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
 
 SAME: Final = 0.01

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import GameError, UnknownLayout
 from overcooked_bench.agents.checks import AgentError, check_actions, check_agent
+from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.kitchen.kitchens import HISTORY, STACKED
 from overcooked_bench.scenarios.entrants import AgentFactory, agent_factory, ways
 from overcooked_bench.scenarios.errors import ScenarioFault
@@ -154,7 +155,8 @@ def play_once(
         try:
             agent = make()
             check_agent(agent, f"make_agent({situation.layout.name!r}, {training_seed})")
-            stage = _perform(agent, [part], seeds, 1, warmup)
+            with one_thread(load=False):
+                stage = _perform(agent, [part], seeds, 1, warmup)
         except UnknownLayout as error:
             unknown.append(error)
             continue
@@ -239,7 +241,8 @@ def _play_group(
         try:
             agent = make()
             check_agent(agent, f"make_agent({layout.name!r}, {training_seed})")
-            played = _play_parts(agent, parts, repeats, warmup, sequential)
+            with one_thread(load=False):
+                played = _play_parts(agent, parts, repeats, warmup, sequential)
         except UnknownLayout as error:
             reason = reason or str(error) or "it does not know this kitchen"
             continue

@@ -1,12 +1,20 @@
 """Torch on one thread, so that sums are formed in the same order everywhere."""
 
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 
 @contextmanager
-def one_thread() -> Iterator[None]:
-    """Keeps torch on one thread for a while."""
+def one_thread(load: bool = True) -> Iterator[None]:
+    """Keeps torch on one thread for a while.
+
+    Args:
+        load: Whether to load torch for that, which takes seconds; where it is not loaded otherwise, nothing happens.
+    """
+    if not load and "torch" not in sys.modules:
+        yield
+        return
     import torch
 
     threads = torch.get_num_threads()
