@@ -12,6 +12,7 @@ from typing import Any
 from overcooked_bench.commands.common import ProgressBar, add_command, names
 from overcooked_bench.commands.common import console as make_console
 from overcooked_bench.commands.pool import add_pool
+from overcooked_bench.commands.scenarios import add_scenarios
 
 _EPILOG = "Each command has its own --help with an example."
 _METHODS = (
@@ -62,8 +63,9 @@ def _exit_code(error: Exception) -> int | None:
     from overcooked_bench.evaluation.store import StoreError
     from overcooked_bench.kitchen.layout import LayoutError
     from overcooked_bench.rendering.replay import PaceError
+    from overcooked_bench.scenarios.errors import ScenarioError, ScenarioFault
 
-    if isinstance(error, ScoringFault):
+    if isinstance(error, ScoringFault | ScenarioFault):
         return 1
     wrong_use = (
         AgentError,
@@ -75,6 +77,7 @@ def _exit_code(error: Exception) -> int | None:
         StoreError,
         LayoutError,
         PaceError,
+        ScenarioError,
         OSError,
     )
     return 2 if isinstance(error, wrong_use) else None
@@ -87,7 +90,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog=_EPILOG,
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for add in (_add_score, _add_replay, _add_train, add_pool, _add_list):
+    for add in (_add_score, _add_replay, _add_train, add_pool, add_scenarios, _add_list):
         add(commands)
     return parser
 

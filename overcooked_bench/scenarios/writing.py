@@ -38,6 +38,11 @@ def scenario_text(scenario: Scenario) -> str:
     return "\n".join([*lines, f"why: {_quoted(scenario.why)}"]) + "\n"
 
 
+def behaviour_text(scenario: Scenario) -> str:
+    """Writes what B does, as the file has it."""
+    return _flow(dict(scenario.drawn))
+
+
 def _chef(chef: Chef) -> dict[str, Any]:
     named = {facing: name for name, facing in FACING_NAMES.items()}
     holds = "soup" if isinstance(chef.holding, Soup) else chef.holding

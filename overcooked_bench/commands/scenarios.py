@@ -1,0 +1,273 @@
+"""`overcooked-bench scenarios`: run, list, show, check and begin cooperation unit tests."""
+
+import argparse
+import os
+import sys
+from typing import TYPE_CHECKING, Any
+
+from overcooked_bench.commands.common import ProgressBar, add_command, console, names, whole
+from overcooked_bench.scenarios import CATEGORIES
+
+if TYPE_CHECKING:
+    from overcooked_bench.scenarios.items import Item
+    from overcooked_bench.scenarios.results import SuiteResult
+
+_SELECT = "ids or their beginnings, categories, families, tags, patterns, files or folders (default: all that ship)"
+
+
+def add_scenarios(commands: Any) -> None:
+    """Declares the group."""
+    parser = commands.add_parser(
+        "scenarios",
+        help="run, list, show, check and begin cooperation unit tests",
+        description="Run, list, show, check and begin cooperation unit tests.",
+        epilog="example:\n  overcooked-bench scenarios run convention --agent greedy",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    inner = parser.add_subparsers(metavar="COMMAND", required=True)
+    for add in (_add_run, _add_list, _add_show, _add_new):
+        add(inner)
+
+
+def _add_run(commands: Any) -> None:
+    parser = add_command(
+        commands,
+        "run",
+        _run,
+        "play an agent through scenarios; exit code 1 where it fails one",
+        "overcooked-bench scenarios run C04 --agent my_agent.py --seat 1 --mirrored --repeat 7",
+    )
+    _add_select(parser, "*")
+    parser.add_argument(
+        "--agent",
+        metavar="AGENT",
+        required=True,
+        help="my_agent.py[:function], a folder with agent.py, or an agent's name; {layout} in a name is the layout",
+    )
+    parser.add_argument("--category", metavar="A,B", type=names, help="only these categories")
+    parser.add_argument("--repeats", metavar="N", type=whole(1), default=20, help="runs of each (default: 20)")
+    parser.add_argument("--mode", choices=("sample", "greedy"), default="sample", help="how frozen policies act")
+    parser.add_argument("--training-seed", metavar="N", type=whole(0), default=0, help="which training run")
+    parser.add_argument("--warmup", metavar="N", type=whole(0), default=0, help="first views shown before the start")
+    _add_seat(parser)
+    parser.add_argument("--repeat", metavar="K", type=whole(0), help="play this run alone (from 0) and show its film")
+    parser.add_argument("--film", action="store_true", help="show the last steps of every item that is failed")
+    parser.add_argument("--output", metavar="FILE", help="write what came of every item as JSON")
+    parser.add_argument("--json", action="store_true", help="print that JSON in place of the table")
+
+
+def _run(options: argparse.Namespace) -> int:
+    import json
+    from pathlib import Path
+
+    from overcooked_bench.scenarios.entrants import agent_factory
+    from overcooked_bench.scenarios.results import SuiteResult
+    from overcooked_bench.scenarios.runner import run_items
+
+    chosen = _items(options)
+    make_agent = agent_factory(options.agent, options.mode)
+    settings = {"training_seed": options.training_seed, "warmup": options.warmup}
+    if options.repeat is not None:
+        return _run_once(options, chosen, make_agent)
+    with ProgressBar("compiling and loading") as tell:
+        played = run_items(
+            make_agent, chosen, options.repeats, **settings, on_progress=lambda done, of: tell("kitchens", done, of)
+        )
+    result = SuiteResult(
+        options.agent, options.mode, options.repeats, options.training_seed, options.warmup, False, tuple(played)
+    )
+    text = json.dumps(result.to_dict(), indent=2) + "\n"
+    if options.output:
+        Path(options.output).write_text(text, "utf-8")
+    if options.json:
+        print(text, end="")
+    else:
+        _print_result(result, options)
+    return 0 if result.passed == result.n else 1
+
+
+def _print_result(result: "SuiteResult", options: argparse.Namespace) -> None:
+    from overcooked_bench.scenarios.comparing import category_table
+    from overcooked_bench.scenarios.explaining import explain, headline
+
+    failed = [one for one in result.items if not one.passed]
+    settings = {"mode": options.mode, "training_seed": options.training_seed, "warmup": options.warmup}
+    for one in failed:
+        if options.film:
+            print(explain(one, options.agent, colour=_colour(), width=_width(), **settings), end="\n\n")
+        else:
+            print(f"failed  {one.item.id}: {headline(one)}")
+    print("\n".join(["", *category_table([one.to_dict() for one in result.items])]))
+    if failed and not options.film:
+        print("\n--film shows the last steps of what was failed")
+
+
+def _run_once(options: argparse.Namespace, chosen: "list[Item]", make_agent: Any) -> int:
+    from overcooked_bench.agents.agent import UnknownLayout
+    from overcooked_bench.scenarios.runner import play_once
+
+    wanted = (options.seat or 0, options.mirrored)
+    situations = {
+        situation.id: situation
+        for item in chosen
+        for situation in item.situations
+        if (situation.seat, situation.mirrored) == wanted or situation.id in options.select
+    }
+    passed = []
+    for situation in situations.values():
+        try:
+            run = play_once(
+                *(make_agent, situation, options.repeat), training_seed=options.training_seed, warmup=options.warmup
+            )
+        except UnknownLayout as error:
+            print(f"{situation.id} not attempted: {error}")
+            passed.append(False)
+            continue
+        print(f"{situation.id}, repeat {options.repeat}: {situation.scenario.why}", end="\n\n")
+        print(run.film(len(run.actions), colour=_colour(), width=_width()), end="\n\n")
+        print(run.why())
+        passed.append(run.passed)
+    if not passed:
+        print("overcooked-bench: no scenario is played from this seat in this mirror", file=sys.stderr)
+        return 2
+    return 0 if all(passed) else 1
+
+
+def _add_list(commands: Any) -> None:
+    parser = add_command(commands, "list", _list, "list scenarios", "overcooked-bench scenarios list partner --json")
+    _add_select(parser, "*")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def _list(options: argparse.Namespace) -> int:
+    import json
+
+    from overcooked_bench.scenarios.items import load_scenarios
+    from overcooked_bench.scenarios.lock import known_entry
+
+    rows: list[dict[str, Any]] = []
+    for scenario in load_scenarios(options.select or None):
+        entry = known_entry(scenario)
+        rows.append(
+            {
+                "id": scenario.id,
+                "category": scenario.category,
+                "family": scenario.family,
+                "layout": "own" if "\n" in scenario.layout.name else scenario.layout.name,
+                "shortest": entry.steps if entry else None,
+                "budget": scenario.budget or (entry.budget if entry else None),
+                "pair": scenario.pair,
+                "tags": list(scenario.tags),
+                "why": scenario.why,
+            }
+        )
+    if options.json:
+        print(json.dumps(rows, indent=2))
+        return 0
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
+    for column in ("scenario", "category", "family", "layout"):
+        table.add_column(column, no_wrap=True)
+    for column in ("T*", "K"):
+        table.add_column(column, justify="right")
+    table.add_column("tags")
+    for row in rows:
+        figures = ["-" if row[key] is None else str(row[key]) for key in ("shortest", "budget")]
+        told = [str(row[key]) for key in ("id", "category", "family", "layout")]
+        table.add_row(*told, *figures, ", ".join(row["tags"]))
+    console().print(table)
+    console().print(f"{len(rows)} scenarios; T* steps of the shortest solution, K steps that an agent has", style="dim")
+    return 0
+
+
+def _add_show(commands: Any) -> None:
+    parser = add_command(
+        commands, "show", _show, "draw scenarios and say what is asked", "overcooked-bench scenarios show C04 --film"
+    )
+    _add_select(parser, "+")
+    _add_seat(parser)
+    parser.add_argument("--film", action="store_true", help="show a shortest solution, too")
+
+
+def _show(options: argparse.Namespace) -> int:
+    from overcooked_bench.scenarios.items import load_scenarios
+    from overcooked_bench.scenarios.showing import show, show_solution
+
+    for number, scenario in enumerate(load_scenarios(options.select)):
+        situation = scenario.seated(options.seat or 0, options.mirrored)
+        print("\n" * bool(number) + show(situation, colour=_colour()))
+        if options.film:
+            print("\n" + show_solution(situation, colour=_colour(), width=_width()))
+    return 0
+
+
+def _add_new(commands: Any) -> None:
+    parser = add_command(
+        commands,
+        "new",
+        _new,
+        "begin a scenario: write a file that works, with every key explained",
+        "overcooked-bench scenarios new X01-mine --layout coordination_ring",
+    )
+    parser.add_argument("id", metavar="ID", help="its name, and the file's")
+    parser.add_argument("--layout", metavar="NAME", default="cramped_room", help="default: cramped_room")
+    parser.add_argument("--category", choices=CATEGORIES, default="state", help="default: state")
+    parser.add_argument("--output", metavar="DIR", default=".", help="where to write (default: here)")
+
+
+def _new(options: argparse.Namespace) -> int:
+    from pathlib import Path
+
+    from overcooked_bench.scenarios.loading import read_scenario
+    from overcooked_bench.scenarios.template import template
+
+    file = Path(options.output) / f"{options.id}.scenario.yaml"
+    text = template(options.id, options.layout, options.category)
+    read_scenario(text, str(file), options.id)
+    if file.exists():
+        print(f"overcooked-bench: {file} is there already; give another id, or --output DIR", file=sys.stderr)
+        return 2
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text, "utf-8")
+    print(f"{file}  edit it, then: overcooked-bench scenarios check {file}")
+    return 0
+
+
+def _add_select(parser: argparse.ArgumentParser, nargs: str) -> None:
+    parser.add_argument("select", metavar="SELECT", nargs=nargs, help=_SELECT)
+
+
+def _add_seat(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--seat", type=int, choices=(0, 1), help="only with the agent on this seat")
+    parser.add_argument("--mirrored", action="store_true", help="only in the mirrored kitchen")
+
+
+def _items(options: argparse.Namespace) -> "list[Item]":
+    from overcooked_bench.scenarios.errors import ScenarioError
+    from overcooked_bench.scenarios.items import load_items
+
+    strange = sorted(set(options.category or ()) - set(CATEGORIES))
+    if strange:
+        raise ScenarioError(f"no category {', '.join(strange)}; choose among {', '.join(CATEGORIES)}")
+    chosen = [
+        item
+        for item in load_items(options.select or None)
+        if (options.category is None or item.category in options.category)
+        and (item.is_pair or options.seat in (None, item.seat))
+        and (item.is_pair or item.mirrored or not options.mirrored or options.repeat is not None)
+    ]
+    if not chosen:
+        raise ScenarioError("nothing is left to play; choose more categories, seats or mirrors")
+    return chosen
+
+
+def _colour() -> bool:
+    return sys.stdout.isatty() and not os.environ.get("NO_COLOR")
+
+
+def _width() -> int:
+    from shutil import get_terminal_size
+
+    return get_terminal_size((100, 24)).columns
