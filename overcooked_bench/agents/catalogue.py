@@ -2,7 +2,7 @@
 
 import difflib
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from overcooked_bench.agents.agent import Agent, UnknownLayout
 from overcooked_bench.agents.checks import AgentError
@@ -15,24 +15,34 @@ if TYPE_CHECKING:
     from overcooked_bench.agents.neural import Mode
     from overcooked_bench.agents.policy import Policy
 
+SCRIPT: Final = "script:"
+"""What the name of a scenario's partner begins with; its behaviour follows, as scenarios write it (`parsing.py`)."""
+
 _POLICY_SUFFIXES = (".safetensors", ".json")
 
 
 def catalogue() -> list[str]:
-    """Lists every name that `load_agent` knows: the scripted agents, then `pool/layout/agent` of the shipped pools."""
+    """Lists the names that `load_agent` knows: scripted agents, then `pool/layout/agent` of the shipped pools.
+
+    Of the partners of scenarios, those that need to be told nothing: more can be named, see `load_agent`.
+    """
+    from overcooked_bench.agents.scripts.parsing import KINDS
+
+    scripts = [SCRIPT + name for name, kind in KINDS.items() if not kind.needs]
     frozen = []
     for name in shipped_pools():
         pool = Pool(find_pool(name), read_manifest(find_pool(name)))
         frozen += [f"{name}/{layout}/{agent.name}" for layout in pool.layouts for agent in pool.agents(layout)]
-    return [*SCRIPTED, *frozen]
+    return [*SCRIPTED, *scripts, *frozen]
 
 
 def load_agent(name_or_path: str | Path, layout: str, training_seed: int = 0, mode: "Mode" = "sample") -> Agent:
     """Gives an agent for one layout.
 
     Args:
-        name_or_path: A name of `catalogue()`; `pool/layout/agent` where pool is a folder; a policy's `.safetensors` or
-            `.json` file; or a submission: a Python file, or a folder with `agent.py`.
+        name_or_path: A name of `catalogue()`; `script:` and a behaviour as scenarios write it, such as
+            `script:{does: carry, insist: true}`; `pool/layout/agent` where pool is a folder; a policy's `.safetensors`
+            or `.json` file; or a submission: a Python file, or a folder with `agent.py`.
         layout: The layout's name, for a custom grid its text.
         training_seed: Which of a submission's independent training runs; others have one, whatever is given.
         mode: Of frozen policies: "sample" draws from their distribution, "greedy" takes the likeliest action.
@@ -46,6 +56,8 @@ def load_agent(name_or_path: str | Path, layout: str, training_seed: int = 0, mo
     name, path = str(name_or_path), Path(name_or_path)
     if name in SCRIPTED:
         return make_scripted(name, layout)
+    if name.startswith(SCRIPT):
+        return _script(name)
     if path.suffix == ".py" or (path / ENTRY).is_file():
         return load_submission(path).make_agent(layout, training_seed)
     if path.suffix in _POLICY_SUFFIXES:
@@ -58,6 +70,16 @@ def load_agent(name_or_path: str | Path, layout: str, training_seed: int = 0, mo
         policy = Pool(folder, read_manifest(folder)).policy(parts[1], parts[2])  # verifies this agent's files alone
         return _frozen(policy, name, layout, mode)
     raise AgentError(_unknown(name, path))
+
+
+def _script(name: str) -> Agent:
+    from overcooked_bench.agents.scripts.behaviour import ScriptAgent
+    from overcooked_bench.agents.scripts.parsing import behaviour_from_text
+
+    try:
+        return ScriptAgent(behaviour_from_text(name.removeprefix(SCRIPT)))
+    except ValueError as error:
+        raise AgentError(f"{name}: {error}") from None
 
 
 def _frozen(policy: "Policy", name: str, layout: str, mode: "Mode") -> Agent:
@@ -78,6 +100,7 @@ def _unknown(name: str, path: Path) -> str:
     near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
     hint = f"did you mean {' or '.join(map(repr, near))}? " if near else ""
     return (
-        f"no agent named {name!r}, and no such file; {hint}Known are {', '.join(SCRIPTED)}, the frozen agents "
-        "(pool/layout/agent; `overcooked-bench list` shows them all), a .py file, or a folder with agent.py"
+        f"no agent named {name!r}, and no such file; {hint}Known are {', '.join(SCRIPTED)}, scripts (script:carry), "
+        "the frozen agents (pool/layout/agent; `overcooked-bench list` shows them all), a .py file, or a folder with "
+        "agent.py"
     )

@@ -1,6 +1,7 @@
 """`Entrant`: who is scored."""
 
 import hashlib
+import re
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -36,19 +37,23 @@ def identify(agent: str | Path) -> Entrant:
     """Finds an agent and says what it is, without playing it.
 
     Args:
-        agent: A catalogue name, `pool/layout/agent`, or the path of a submission or of a policy's file.
+        agent: A catalogue name, a script, `pool/layout/agent`, or the path of a submission or of a policy's file.
 
     Raises:
         AgentError: No such agent, or a submission that cannot be loaded.
         PoolError: A damaged pool.
         PolicyError: A damaged policy.
     """
-    from overcooked_bench.agents.catalogue import load_agent
+    from overcooked_bench.agents.catalogue import SCRIPT, load_agent
     from overcooked_bench.agents.scripted import SCRIPTED
+    from overcooked_bench.agents.scripts.parsing import VERSION
 
     name, path = str(agent), Path(agent)
     if name in SCRIPTED:
         return Entrant(name, name, scripted_hash(name))
+    if name.startswith(SCRIPT):
+        load_agent(name, "")
+        return Entrant(name, re.sub(r"\W+", "-", name).strip("-"), scripted_hash(f"{name}/{VERSION}"))
     if is_submission(path):
         submission = load_submission(path)
         return Entrant(str(path.absolute()), submission.name, submission.sha256, submission.training_seeds)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from overcooked_bench.agents.scripts.behaviour import Behaviour, Content, Scene, Sight
-from overcooked_bench.agents.scripts.timed import FROZEN
+from overcooked_bench.agents.scripts.timed import FROZEN, ask
 from overcooked_bench.agents.scripts.walking import SIGHTS, Manner, go, nearest, rest
 from overcooked_bench.kitchen.codes import MAX_INGREDIENTS, STAY, Position
 
@@ -62,7 +62,7 @@ class Job(Behaviour):
         errand = self.errand(self, scene)
         if errand is not None:
             return go(scene, self.manner, errand.cell, errand.ready)
-        action = self.then.decide(scene)
+        action = ask(self.then, scene, scene.time)
         return rest(scene, self.manner) if action == STAY else action
 
 

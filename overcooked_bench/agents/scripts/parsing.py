@@ -11,6 +11,9 @@ from overcooked_bench.agents.scripts.timed import FROZEN, Loop, Noisy, Script, S
 from overcooked_bench.agents.scripts.walking import Manner
 from overcooked_bench.kitchen.codes import ACTION_NAMES, Position
 
+VERSION: Final = 1
+"""Of what the behaviours do; it goes up when one acts differently, since results against it compare no more then."""
+
 MOVES: Final = {"up": 0, "down": 1, "right": 2, "left": 3} | {name: k for k, name in enumerate(ACTION_NAMES)}
 """Actions by name, in words of the picture and in those of the compass."""
 
@@ -84,11 +87,32 @@ def parse_behaviour(mapping: Mapping[str, Any], at: str = "", manner: Manner = "
     manner = _manner(mapping, at, manner)
     then = _then(mapping, at, manner)
     behaviour = _MAKERS[name](mapping, f"{at}{name!r}: ", manner, then)
+    start = _whole(mapping.get("from", 0), f"{at}from", 0)
     if "until" in mapping:
-        behaviour = Switch(_whole(mapping["until"], f"{at}until", 0), behaviour, then)
-    if "from" in mapping:
-        behaviour = Switch(_whole(mapping["from"], f"{at}from", 0), FROZEN, behaviour)
+        end = _whole(mapping["until"], f"{at}until", start)
+        behaviour = Switch(end - start, behaviour, then)
+    if start:
+        behaviour = Switch(start, FROZEN, behaviour)
     return _noisy(mapping["noisy"], behaviour, at) if "noisy" in mapping else behaviour
+
+
+def behaviour_from_text(text: str) -> Behaviour:
+    """Reads a behaviour from one line: a name of `KINDS` alone, or a mapping in braces as YAML writes it.
+
+    Raises:
+        ValueError: It is neither, or `parse_behaviour` refuses it.
+    """
+    if not text.lstrip().startswith("{"):
+        return parse_behaviour({"does": text.strip()})
+    import yaml
+
+    try:
+        mapping = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise ValueError(
+            f"{text!r} is no mapping ({str(error).splitlines()[0]}); write one such as {{does: carry, insist: true}}"
+        ) from None
+    return parse_behaviour(mapping)
 
 
 def _manner(mapping: Mapping[str, Any], at: str, manner: Manner) -> Manner:

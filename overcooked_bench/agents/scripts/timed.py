@@ -53,7 +53,7 @@ class Script(Behaviour):
     def decide(self, scene: Scene) -> int:
         """Gives the next action."""
         start = len(self.actions)
-        return self.actions[scene.time] if scene.time < start else self.then.decide(later(scene, start))
+        return self.actions[scene.time] if scene.time < start else ask(self.then, scene, scene.time - start)
 
 
 @dataclass(frozen=True)
@@ -102,8 +102,8 @@ class Switch(Behaviour):
     def decide(self, scene: Scene) -> int:
         """Asks the one whose turn it is."""
         if scene.time < self.at:
-            return self.before.decide(scene)
-        return self.after.decide(later(scene, self.at))
+            return ask(self.before, scene, scene.time)
+        return ask(self.after, scene, scene.time - self.at)
 
 
 @dataclass(frozen=True)
@@ -139,9 +139,9 @@ class Noisy(Behaviour):
         draw = float(uniforms(np.array([self.seed], np.uint64), scene.time)[0])
         if draw < self.probability:
             return int(draw / self.probability * NUM_ACTIONS)
-        return self.wanted.decide(replace(scene, time=self.wanted.phase(scene.time)))
+        return ask(self.wanted, scene, scene.time)
 
 
-def later(scene: Scene, start: int) -> Scene:
-    """Gives the scene with a clock that starts at `start`."""
-    return replace(scene, time=scene.time - start)
+def ask(behaviour: Behaviour, scene: Scene, t: int) -> int:
+    """Asks one behaviour on behalf of another, with a clock of its own."""
+    return behaviour.decide(replace(scene, time=behaviour.phase(t)))
