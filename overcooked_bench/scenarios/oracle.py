@@ -181,12 +181,13 @@ def guesses(layout: Layout, used: Collection[Position]) -> tuple[Behaviour, ...]
     counters = tuple(cell for cell in sides if sides[cell] > 1 or cell in used)
     return (
         FROZEN,
-        Job(helper, "insist", counters),
+        Job(carry, "insist"),
         *((Job(receiver, "insist", counters),) if counters else ()),
         *(Job(dumper, "insist", passed, item) for item in ("onion", "dish") if passed),
-        Job(carry, "insist"),
-        Job(helper, "polite", counters),
+        Job(helper, "insist", counters),
         Job(carry, "polite"),
+        Job(helper, "polite", counters),
+        Job(carry, "yield"),
         Job(helper, "yield", counters),
     )
 
