@@ -42,9 +42,9 @@ def explain(result: ItemResult, agent: str, *, colour: bool = False, width: int 
             f"{failure.situation.id}, repeat {failure.repeat}, {run.why()}",
             "",
             run.film(colour=colour, width=width),
-            "",
-            f"play it again: {replay_command(failure, agent, **settings)}",
         ]
+        if Path(failure.situation.scenario.source).is_file():
+            lines += ["", f"play it again: {replay_command(failure, agent, **settings)}"]
     return "\n".join(lines)
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -11,16 +12,14 @@ import pytest
 from overcooked_bench.agents.agent import UnknownLayout
 from overcooked_bench.scenarios.comparing import read_report
 from overcooked_bench.scenarios.entrants import AgentFactory, agent_factory
-from overcooked_bench.scenarios.errors import ScenarioError, ScenarioFault
+from overcooked_bench.scenarios.errors import ScenarioError
 from overcooked_bench.scenarios.items import Item
+from overcooked_bench.scenarios.pytest_items import TOLD, kitchen
 from overcooked_bench.scenarios.results import ItemResult
 from overcooked_bench.scenarios.runner import REPEATS, run_items
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.neural import Mode
-
-TOLD: Final = (ScenarioFault, ValueError, OSError)
-"""Faults of the agent, of a scenario's file or of the command line: their message says it all."""
 
 _FIRST_LAYOUT: Final = "cramped_room"
 
@@ -103,12 +102,6 @@ class Bench:
                 self._play([item])
 
 
-def kitchen(item: Item) -> tuple[str, str, bool]:
-    """Gives what items have to share to be played at once."""
-    situation = item.situations[0]
-    return situation.layout.name, situation.scenario.cooking, situation.mirrored
-
-
 def open_bench(config: pytest.Config) -> Bench:
     """Loads the agent and the files that the command line names.
 
@@ -120,6 +113,8 @@ def open_bench(config: pytest.Config) -> Bench:
     for name, value, least in (("--repeats", repeats, 1), ("--agent-warmup", option.ocb_agent_warmup, 0)):
         if value < least:
             raise pytest.UsageError(f"{name} {value}: give a whole number from {least}")
+    if option.ocb_fuzz is not None:
+        _check_fuzz(option.ocb_fuzz)
     try:
         make_agent = agent_factory(option.ocb_agent, option.ocb_mode)
         if not hasattr(config, "workerinput"):
@@ -139,6 +134,13 @@ def open_bench(config: pytest.Config) -> Bench:
         baseline=baseline,
         report=Path(option.ocb_scenario_report) if option.ocb_scenario_report else None,
     )
+
+
+def _check_fuzz(kitchens: int) -> None:
+    if kitchens < 1:
+        raise pytest.UsageError(f"--fuzz {kitchens}: give a whole number of kitchens from 1")
+    if find_spec("hypothesis") is None:
+        raise pytest.UsageError("--fuzz needs hypothesis: pip install 'overcooked-bench[fuzz]'")
 
 
 def _try(make_agent: AgentFactory, training_seed: int) -> None:

@@ -1,20 +1,29 @@
-"""Scenarios as items of pytest: one for each scenario, seat and mirror, or for each pair."""
+"""Scenarios as items of pytest: one for each scenario, seat and mirror, or for each pair.
 
-from collections.abc import Iterator
+Without an agent they are only collected and skipped; what plays is imported when there is one.
+"""
+
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 
 from overcooked_bench.scenarios import CATEGORIES
-from overcooked_bench.scenarios.errors import ScenarioError
-from overcooked_bench.scenarios.explaining import explain, headline
+from overcooked_bench.scenarios.errors import ScenarioError, ScenarioFault
 from overcooked_bench.scenarios.items import Item, Select, items, load_items, read_files
-from overcooked_bench.scenarios.pytest_bench import TOLD, kitchen
 from overcooked_bench.scenarios.pytest_plugin import BENCH, MARKER, NO_AGENT
-from overcooked_bench.scenarios.results import ItemResult
+from overcooked_bench.scenarios.scenario import Scenario
+from overcooked_bench.scenarios.writing import scenario_text
 
-TERMINAL: Final = 100
+if TYPE_CHECKING:
+    from overcooked_bench.scenarios.pytest_bench import Bench
+    from overcooked_bench.scenarios.results import ItemResult
+
+TOLD: Final = (ScenarioFault, ValueError, OSError)
+"""Faults of the agent, of a scenario's file or of the command line: their message says it all."""
+
+WIDTH: Final = 100
 """Characters of a line of a film."""
 
 
@@ -30,49 +39,98 @@ class ScenarioFailure(Exception):
         self.told = told
 
 
-class ScenarioItem(pytest.Item):
-    """What an agent passes or fails as a whole.
+class _Tested(pytest.Item):
+    """What an agent passes or fails; `category` and `words` choose it.
 
     Args:
-        entry: The item of the suite.
-
-    Attributes:
-        scenario_record: What came of it, for the summary and the report.
+        category: One of `CATEGORIES`.
+        words: Further words for `-k`.
     """
 
-    def __init__(self, *, entry: Item, **settings: Any) -> None:
+    def __init__(self, *, category: str, words: Iterable[str], **settings: Any) -> None:
         super().__init__(**settings)
-        self.entry = entry
-        self.scenario_record: dict[str, Any] | None = None
-        self.add_marker(MARKER + entry.category)
-        self.extra_keyword_matches.update((entry.family, entry.category, *entry.tags))
+        self.category = category
+        self.add_marker(MARKER + category)
+        self.extra_keyword_matches.update((category, *words))
+
+    @property
+    def bench(self) -> "Bench":
+        """Who is tested."""
+        bench = self.config.stash[BENCH]
+        assert bench is not None
+        return bench
 
     def setup(self) -> None:
         """Skips it where there is nobody to test."""
         if self.config.stash[BENCH] is None:
             pytest.skip(NO_AGENT)
 
-    def runtest(self) -> None:
-        """Plays it, together with what shares its kitchen, unless that has been done."""
-        bench = self.config.stash[BENCH]
-        assert bench is not None
-        result = bench.result(self.entry, [item.entry for item in self.session.items if isinstance(item, ScenarioItem)])
-        self.scenario_record = {**result.to_dict(), "nodeid": self.nodeid}
-        self.user_properties += _properties(result)
-        if not result.passed:
-            told = explain(result, bench.agent, width=TERMINAL, **bench.replay_settings)
-            raise ScenarioFailure(headline(result), told)
-
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         """Says why it was failed, without a traceback."""
         error = excinfo.value
         if not isinstance(error, (ScenarioFailure, *TOLD)):
             return super().repr_failure(excinfo)
-        return plainly(excinfo, error.told if isinstance(error, ScenarioFailure) else str(error))
+        return _plainly(excinfo, error.told if isinstance(error, ScenarioFailure) else str(error))
+
+
+class ScenarioItem(_Tested):
+    """An item of the suite.
+
+    Args:
+        entry: The item.
+
+    Attributes:
+        scenario_record: What came of it, for the summary and the report.
+    """
+
+    def __init__(self, *, entry: Item, **settings: Any) -> None:
+        super().__init__(category=entry.category, words=(entry.family, *entry.tags), **settings)
+        self.entry = entry
+        self.scenario_record: dict[str, Any] | None = None
+
+    def runtest(self) -> None:
+        """Plays it, together with what shares its kitchen, unless that has been done."""
+        from overcooked_bench.scenarios.explaining import explain, headline
+
+        result = self.bench.result(self.entry, [i.entry for i in self.session.items if isinstance(i, ScenarioItem)])
+        self.scenario_record = {**result.to_dict(), "nodeid": self.nodeid}
+        self.user_properties += _properties(result)
+        if not result.passed:
+            told = explain(result, self.bench.agent, width=WIDTH, **self.bench.replay_settings)
+            raise ScenarioFailure(headline(result), told)
 
     def reportinfo(self) -> tuple[Path, None, str]:
         """Names the scenario's file."""
         return Path(self.entry.scenarios[0].source), None, self.entry.id
+
+
+class FuzzItem(_Tested):
+    """Drawn kitchens of a family.
+
+    Args:
+        scenarios: What they are drawn from.
+    """
+
+    def __init__(self, *, scenarios: list[Scenario], **settings: Any) -> None:
+        first = scenarios[0]
+        super().__init__(category=first.category, words=(first.family, "fuzz"), **settings)
+        self._scenarios = scenarios
+
+    def runtest(self) -> None:
+        """Looks for a kitchen that is failed."""
+        from overcooked_bench.scenarios.explaining import explain, headline
+        from overcooked_bench.scenarios.fuzzing import search_failure
+
+        found = search_failure(self._scenarios, self.bench.play, self.config.option.ocb_fuzz)
+        self.user_properties.append(("kitchens", found.tried))
+        if found.failure is not None:
+            told = explain(found.failure, self.bench.agent, width=WIDTH)
+            text = scenario_text(found.failure.item.scenarios[0])
+            raise ScenarioFailure(headline(found.failure), f"{told}\n\nthe smallest kitchen, as a scenario:\n\n{text}")
+
+    def reportinfo(self) -> tuple[Path, None, str]:
+        """Names the family."""
+        return Path(self._scenarios[0].source), None, self.name
 
 
 class ScenarioFile(pytest.File):
@@ -84,9 +142,8 @@ class ScenarioFile(pytest.File):
             found = items(read_files([self.path]))
         except ScenarioError as error:
             raise self.CollectError(str(error)) from None
-        for entry in found:
-            if Path(entry.scenarios[0].source).resolve() == self.path.resolve():
-                yield ScenarioItem.from_parent(self, name=entry.id, entry=entry)
+        here = self.path.resolve()
+        yield from _collect(self, [e for e in found if Path(e.scenarios[0].source).resolve() == here])
 
 
 def make_items(parent: pytest.Collector, select: Select) -> list[pytest.Item]:
@@ -95,7 +152,19 @@ def make_items(parent: pytest.Collector, select: Select) -> list[pytest.Item]:
         found = load_items(select)
     except ScenarioError as error:
         raise parent.CollectError(str(error)) from None
-    return [ScenarioItem.from_parent(parent, name=entry.id, entry=entry) for entry in found]
+    return list(_collect(parent, found))
+
+
+def _collect(parent: pytest.Collector, found: list[Item]) -> Iterator[pytest.Item]:
+    for entry in found:
+        yield ScenarioItem.from_parent(parent, name=entry.id, entry=entry)
+    if parent.config.option.ocb_fuzz is not None:
+        families: dict[str, dict[str, Scenario]] = {}
+        for scenario in (scenario for entry in found for scenario in entry.scenarios if not scenario.before):
+            families.setdefault(scenario.family, {})[scenario.id] = scenario
+        for family, scenarios in sorted(families.items()):
+            drawn_from = [scenarios[name] for name in sorted(scenarios)]
+            yield FuzzItem.from_parent(parent, name=f"{family}-fuzz", scenarios=drawn_from)
 
 
 def arrange(config: pytest.Config, collected: list[pytest.Item]) -> None:
@@ -114,7 +183,7 @@ def arrange(config: pytest.Config, collected: list[pytest.Item]) -> None:
             where = [each.entry.scenarios[0].source for each in (known[item.entry.id], item)]
             raise pytest.UsageError(f"the scenario {item.entry.id} is in {where[0]} and in {where[1]}; rename one")
     wanted = _categories(config)
-    left_out = [item for item in known.values() if item.entry.category not in wanted]
+    left_out = [item for item in collected if isinstance(item, _Tested) and item.category not in wanted]
     if left_out:
         config.hook.pytest_deselected(items=left_out)
         gone = set(left_out)
@@ -133,6 +202,12 @@ def arrange(config: pytest.Config, collected: list[pytest.Item]) -> None:
             collected[place] = item
 
 
+def kitchen(entry: Item) -> tuple[str, str, bool]:
+    """Gives what items have to share to be played at once."""
+    situation = entry.situations[0]
+    return situation.layout.name, situation.scenario.cooking, situation.mirrored
+
+
 def _categories(config: pytest.Config) -> set[str]:
     given = config.option.ocb_category
     if not given:
@@ -144,7 +219,7 @@ def _categories(config: pytest.Config) -> set[str]:
     return wanted
 
 
-def plainly(excinfo: pytest.ExceptionInfo[BaseException], text: str) -> Any:
+def _plainly(excinfo: pytest.ExceptionInfo[BaseException], text: str) -> Any:
     """Makes a text what pytest shows of a failure, with the error's message as its one line in the short summary."""
     shown = excinfo.getrepr(style="native")
     shown.reprtraceback.reprentries = shown.reprtraceback.reprentries[:1]
@@ -156,7 +231,7 @@ def plainly(excinfo: pytest.ExceptionInfo[BaseException], text: str) -> Any:
     return shown
 
 
-def _properties(result: ItemResult) -> list[tuple[str, object]]:
+def _properties(result: "ItemResult") -> list[tuple[str, object]]:
     rate = result.rate
     told: dict[str, object] = {"category": result.item.category, "rate": round(rate.value, 4)}
     return [*{**told, "wilson_low": round(rate.low, 4), "T*": result.steps, "K": result.budget}.items()]
