@@ -15,7 +15,7 @@ from typing import Any
 
 RESULTS = Path(__file__).with_name("RESULTS.md")
 SECTIONS = ("speed", "peers")
-LIBRARIES = ("numpy", "numba", "gymnasium", "stable-baselines3")
+LIBRARIES = ("numpy", "numba", "gymnasium", "stable-baselines3", "torch")
 
 KITCHEN_TARGETS = {  # grid: ratio to a plain copy at 256 and 4096 kitchens, the same hoped for, joint steps a second
     "5x4": (0.18, 0.25, 15e6),
@@ -24,6 +24,7 @@ KITCHEN_TARGETS = {  # grid: ratio to a plain copy at 256 and 4096 kitchens, the
 CALL_TARGETS = {"gymnasium.make_vec": (6e-6, "at most 6 us a call"), "gymnasium.make": (1 / 300e3, "300,000 steps/s")}
 START_TARGETS = {"`import overcooked_bench`": 1.0, "`overcooked-bench --help`": 1.0}
 FIRST_CALL_TARGETS = {"warm": 1.0, "cold": 5.0}
+PARTNER_TARGET = 1.6
 MEMORY_TARGET = 150e6 / 2**20
 
 INTRODUCTION = """\
@@ -142,6 +143,26 @@ def environment_table(benches: Sequence[Mapping[str, Any]]) -> str:
     return table(["", "a call", "joint steps/s", "target"], rows)
 
 
+def partner_table(benches: Sequence[Mapping[str, Any]]) -> str:
+    """What partners cost in a step, and in an update of a learner, there beside the same against `stay`."""
+    rows = []
+    for bench in benches:
+        extra, (median, best) = bench["extra_info"], seconds(bench)
+        named, target = f"{bench['group']}: {extra['what']}", "-"
+        if "ratio_to_stay" in extra:
+            ratio, stay = extra["ratio_to_stay"], (extra["stay_median"], extra["stay_min"])
+            rows.append([f"{bench['group']}: against stay", *_times(*stay, extra["joint_steps"]), "-"])
+            target = f"{ratio:.2f} times stay, at most {PARTNER_TARGET}: {verdict(ratio <= PARTNER_TARGET)}"
+        rows.append([named, *_times(median, best, extra["joint_steps"]), target])
+    return table(["", "a call", "joint steps/s", "target"], rows)
+
+
+def _times(median: float, best: float, joint_steps: int) -> tuple[str, str]:
+    unit, name = (1e6, "us") if median < 1e-3 else (1e3, "ms")
+    told = f"{median * unit:.2f} {name} ({best * unit:.2f})"
+    return told, f"{millions(joint_steps / median)} ({millions(joint_steps / best)})"
+
+
 def start_table(benches: Sequence[Mapping[str, Any]]) -> str:
     """What a fresh process takes, from its start to its end, and the first calls within."""
     rows = []
@@ -174,7 +195,9 @@ def speed_section(data: Mapping[str, Any]) -> str:
     Raises:
         ValueError: It holds other benchmarks, or none.
     """
-    kinds: dict[str, list[Mapping[str, Any]]] = {"kitchens": [], "environment": [], "start-up": [], "memory": []}
+    kinds: dict[str, list[Mapping[str, Any]]] = {
+        kind: [] for kind in ("kitchens", "environment", "partners", "start-up", "memory")
+    }
     for bench in data["benchmarks"]:
         kinds[bench["extra_info"]["kind"]].append(bench)
     if not all(kinds.values()):
@@ -195,6 +218,10 @@ slower.
 One call of an environment's `step`, partner `stay`, random actions, resets at the horizon included.
 
 {environment_table(kinds["environment"])}
+Partners: a step of stable-baselines3's environment with each kind, and an update of a learner (rollout and four passes)
+against four frozen policies, each timed right after one against `stay`; the ratio is the median of these pairs.
+
+{partner_table(kinds["partners"])}
 From the start of the process to its end. Kernels are kept on disk from before (warm) or compiled anew (cold); importing
 numba is part of the first call.
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.benchmarks.results import circumstances, kitchen_table, millions, start_table, write_section
+from tests.benchmarks.results import circumstances, kitchen_table, millions, partner_table, start_table, write_section
 
 
 def test_a_section_is_written_between_its_markers_and_the_others_stay(tmp_path):
@@ -42,6 +42,16 @@ def test_the_first_call_is_judged_by_its_own_time():
     extra = {"what": "import, first reset, step and observe, warm cache", "first_call": [0.8, 0.9, 1.4]}
     row = start_table([{"extra_info": extra, "stats": {"median": 1.5, "min": 1.2}}]).splitlines()[-1]
     assert row.endswith("| 1.50 s (1.20) | 0.90 s (0.80) | under 1 s: met |")
+
+
+@pytest.mark.parametrize(("ratio", "told"), [(1.2, "1.20 times stay, at most 1.6: met"), (1.7, "1.6: **missed**")])
+def test_partners_are_judged_by_their_ratio_to_stay(ratio, told):
+    extra = {"what": "against four", "joint_steps": 100, "ratio_to_stay": ratio, "stay_median": 0.01, "stay_min": 5e-3}
+    bench = {"group": "an update", "extra_info": extra, "stats": {"median": 0.02, "min": 0.01}}
+    stay, four = partner_table([bench]).splitlines()[-2:]
+    assert stay == "| an update: against stay | 10.00 ms (5.00) | 10.0 k (20.0 k) | - |"
+    assert four.startswith("| an update: against four | 20.00 ms (10.00) | 5.0 k (10.0 k) | ")
+    assert four.endswith(f"{told} |")
 
 
 def test_rates_are_written_short():
