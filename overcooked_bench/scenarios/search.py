@@ -98,7 +98,7 @@ class Search:
             The next row and counts.
         """
         after = self._desk.step(row[None], np.array([actions], np.int64))
-        return after[0], self._count(row[None], after, counts[None], np.array([actions], np.int64))[0]
+        return after[0], self.count(row[None], after, counts[None], np.array([actions], np.int64))[0]
 
     def answer(self, row: _Rows, partner: "Behaviour", t: int) -> int:
         """Asks a partner what it does in a state, (R,)."""
@@ -185,7 +185,7 @@ class Search:
             before = np.repeat(rows[part], NUM_ACTIONS, axis=0)
             actions = joint[start * NUM_ACTIONS : (start + _TOGETHER) * NUM_ACTIONS]
             after = self._desk.step(before, actions)
-            counted = self._count(before, after, np.repeat(counts[part], NUM_ACTIONS, axis=0), actions)
+            counted = self.count(before, after, np.repeat(counts[part], NUM_ACTIONS, axis=0), actions)
             new = []
             for i, key in enumerate(self._keys(after, counted, phase)):
                 if key not in seen:
@@ -201,7 +201,18 @@ class Search:
             number += len(chosen)
         return *_joined(kept), -1
 
-    def _count(self, before: _Rows, after: _Rows, counts: _Rows, actions: NDArray[np.int64]) -> _Rows:
+    def count(self, before: _Rows, after: _Rows, counts: _Rows, actions: NDArray[np.int64]) -> _Rows:
+        """Adds what a step brought.
+
+        Args:
+            before: (N, R)
+            after: (N, R)
+            counts: (N, K) before the step.
+            actions: (N, 2) joint actions.
+
+        Returns:
+            (N, K), no more than matters.
+        """
         if not self._counters:
             return counts
         seats = np.full(len(before), self._seat)

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from overcooked_bench.scenarios.errors import ScenarioError
-from overcooked_bench.scenarios.search import Search, TooManyStates
+from overcooked_bench.scenarios.search import MOST_STATES, Search, TooManyStates
 
 if TYPE_CHECKING:
     from overcooked_bench.scenarios.scenario import Situation
@@ -44,7 +44,7 @@ def solve(situation: "Situation", limit: int | None = None) -> Solution | None:
     for joint in situation.before:
         row, _ = search.step(row, counts, joint)
     try:
-        found = search.run(row, counts, situation.behaviour, 0, limit)
+        found = search.run(row, counts, situation.behaviour, 0, limit, MOST_STATES)
     except TooManyStates as error:
         raise ScenarioError(
             f"{situation.scenario.source}: {situation.id}: {error}; give a smaller budget, or ask for less"
