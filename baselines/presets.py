@@ -1,6 +1,7 @@
 """Named configurations of the training methods: `configs/<method>.yaml`, a mapping from names to settings.
 
-A configuration says where it differs from the method's defaults; `extends: other` starts from another one of the file.
+A configuration says where it differs from the method's defaults; `extends: other` starts from another one of the file,
+`extends: method:other` from one of another method's.
 """
 
 import difflib
@@ -59,18 +60,27 @@ def load_config(method: str, name: str = "", /, **overrides: Any) -> Settings:
 def named_settings(method: str, name: str = "") -> dict[str, Any]:
     """Gives what a configuration sets.
 
+    Args:
+        method: A training method.
+        name: One of its configurations, or several joined by commas, of which later ones win.
+
     Raises:
         PresetError: There is no such configuration.
     """
     known = _read(method)
-    name = name or next(iter(known))
-    if name not in known:
-        near = difflib.get_close_matches(name, known, n=1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        raise PresetError(f"{method} has no configuration {name!r}; {hint}there is {', '.join(known)}")
-    own = dict(known[name] or {})
-    base = own.pop("extends", None)
-    return {**(named_settings(method, base) if base else {}), **own}
+    settings: dict[str, Any] = {}
+    for part in name.split(",") if name else [next(iter(known))]:
+        if part not in known:
+            near = difflib.get_close_matches(part, known, n=1)
+            hint = f"did you mean {near[0]!r}? " if near else ""
+            raise PresetError(f"{method} has no configuration {part!r}; {hint}there is {', '.join(known)}")
+        own = dict(known[part] or {})
+        base = own.pop("extends", None)
+        if base:
+            other, _, configuration = base.rpartition(":")
+            settings |= named_settings(other or method, configuration)
+        settings |= own
+    return settings
 
 
 def checked(kind: type[Settings], settings: dict[str, Any], where: str) -> dict[str, Any]:

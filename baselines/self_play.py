@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from .learning.algorithms import make_learner
 from .learning.command import main_of
 from .learning.learner import Learner
-from .learning.run import Outcome, make_env, make_learner, run
+from .learning.run import Outcome, make_env, run
 from .learning.settings import Settings
 
 METHOD: Final = "self-play"

@@ -1,4 +1,4 @@
-"""Checkpoints of a PPO run that it can go on from as if nothing had happened.
+"""Checkpoints of a run that it can go on from as if nothing had happened.
 
 One file of tensors and plain values, written whole or not at all and read with `weights_only=True`. SB3's own save and
 load are not used: they unpickle, and they leave out the environment and the random states.
@@ -7,14 +7,18 @@ load are not used: they unpickle, and they leave out the environment and the ran
 import json
 import os
 from collections import deque
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import torch
-from stable_baselines3 import PPO
+from stable_baselines3 import DQN
+from stable_baselines3.common.buffers import ReplayBuffer
 
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
+
+from .algorithms import AnyLearner
 
 FORMAT: Final = 1
 
@@ -23,7 +27,7 @@ class CheckpointError(ValueError):
     """A checkpoint is missing, damaged or of another run."""
 
 
-def save_checkpoint(path: Path, model: PPO, config: dict[str, Any]) -> None:
+def save_checkpoint(path: Path, model: AnyLearner, config: dict[str, Any]) -> None:
     """Writes a run's whole state; only between an update and the next rollout.
 
     Args:
@@ -31,8 +35,7 @@ def save_checkpoint(path: Path, model: PPO, config: dict[str, Any]) -> None:
         model: The learner, with an `OvercookedVecEnv`.
         config: The run's resolved configuration, compared on load.
     """
-    env = model.get_env()
-    assert isinstance(env, OvercookedVecEnv)
+    env = _env_of(model)
     assert model._last_episode_starts is not None
     name, keys, position, has_gauss, gauss = np.random.get_state()  # noqa: NPY002 (SB3 shuffles with it)
     arrays = {
@@ -41,6 +44,9 @@ def save_checkpoint(path: Path, model: PPO, config: dict[str, Any]) -> None:
         "last_obs": np.asarray(model._last_obs),
         "last_episode_starts": np.asarray(model._last_episode_starts),
     }
+    plain: dict[str, Any] = {}
+    if isinstance(model, DQN):
+        plain["dqn"] = _save_replay(model, arrays)
     content = {
         "format": FORMAT,
         "plain": json.dumps(
@@ -50,6 +56,7 @@ def save_checkpoint(path: Path, model: PPO, config: dict[str, Any]) -> None:
                 "n_updates": model._n_updates,
                 "numpy": [name, int(position), int(has_gauss), float(gauss)],
                 "episodes": list(model.ep_info_buffer or []),
+                **plain,
             }
         ),
         "policy": model.policy.state_dict(),
@@ -66,8 +73,19 @@ def save_checkpoint(path: Path, model: PPO, config: dict[str, Any]) -> None:
     os.replace(unfinished, path)
 
 
-def load_checkpoint(path: Path, model: PPO, config: dict[str, Any]) -> None:
+def load_checkpoint(
+    path: Path,
+    model: AnyLearner,
+    config: dict[str, Any],
+    before: Callable[[int], None] = lambda joint_steps: None,
+) -> None:
     """Brings a freshly made learner to where a checkpoint was written.
+
+    Args:
+        path: The file.
+        model: The learner, with the same kitchens and partners.
+        config: The run's resolved configuration.
+        before: Told the joint steps done before the kitchens are restored.
 
     Raises:
         CheckpointError: No such file, not readable, or the configuration differs; says in what.
@@ -78,6 +96,7 @@ def load_checkpoint(path: Path, model: PPO, config: dict[str, Any]) -> None:
             raise CheckpointError(f"{path}: format {content['format']!r}; this version reads {FORMAT}")
         plain = json.loads(content["plain"])
         _compare(path, plain["config"], config)
+        before(plain["num_timesteps"] // (model.n_envs // _env_of(model).kitchens.num_kitchens))
         _apply(content, plain, model)
     except CheckpointError:
         raise
@@ -91,6 +110,12 @@ def load_checkpoint(path: Path, model: PPO, config: dict[str, Any]) -> None:
         ) from None
 
 
+def _env_of(model: AnyLearner) -> OvercookedVecEnv:
+    env = model.get_env()
+    assert isinstance(env, OvercookedVecEnv)
+    return env
+
+
 def _compare(path: Path, theirs: dict[str, Any], ours: dict[str, Any]) -> None:
     differing = sorted(key for key in {*ours, *theirs} if ours.get(key) != theirs.get(key))
     if differing:
@@ -100,11 +125,9 @@ def _compare(path: Path, theirs: dict[str, Any], ours: dict[str, Any]) -> None:
         )
 
 
-def _apply(content: dict[str, Any], plain: dict[str, Any], model: PPO) -> None:
+def _apply(content: dict[str, Any], plain: dict[str, Any], model: AnyLearner) -> None:
     arrays = {key: _as_array(value) for key, value in content["arrays"].items()}
-    env = model.get_env()
-    assert isinstance(env, OvercookedVecEnv)
-    env.restore({key.removeprefix("env."): array for key, array in arrays.items() if key.startswith("env.")})
+    _env_of(model).restore({key.removeprefix("env."): array for key, array in arrays.items() if key.startswith("env.")})
     model.policy.load_state_dict(content["policy"])
     model.policy.optimizer.load_state_dict(content["optimizer"])
     model.num_timesteps, model._n_updates = plain["num_timesteps"], plain["n_updates"]
@@ -112,9 +135,40 @@ def _apply(content: dict[str, Any], plain: dict[str, Any], model: PPO) -> None:
     model._last_episode_starts = arrays["last_episode_starts"]
     model.ep_info_buffer = deque(plain["episodes"], maxlen=model._stats_window_size)
     model.ep_success_buffer = deque(maxlen=model._stats_window_size)
+    if isinstance(model, DQN):
+        _restore_replay(model, arrays, plain["dqn"])
     torch.set_rng_state(content["torch_random"])
     name, position, has_gauss, gauss = plain["numpy"]
     np.random.set_state((name, arrays["numpy.keys"], position, has_gauss, gauss))  # noqa: NPY002
+
+
+_REPLAY: Final = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
+
+
+def _save_replay(model: DQN, arrays: dict[str, np.ndarray[Any, Any]]) -> dict[str, Any]:
+    """Adds what DQN remembers to the arrays, and gives the rest of its state."""
+    replay = model.replay_buffer
+    assert type(replay) is ReplayBuffer
+    filled = replay.buffer_size if replay.full else replay.pos
+    arrays.update({f"replay.{name}": getattr(replay, name)[:filled] for name in _REPLAY})
+    return {
+        "pos": replay.pos,
+        "full": replay.full,
+        "calls": model._n_calls,
+        "episode": model._episode_num,
+        "actions": model.action_space.np_random.bit_generator.state,
+    }
+
+
+def _restore_replay(model: DQN, arrays: dict[str, np.ndarray[Any, Any]], plain: dict[str, Any]) -> None:
+    replay = model.replay_buffer
+    assert type(replay) is ReplayBuffer
+    for name in _REPLAY:
+        stored = arrays[f"replay.{name}"]
+        getattr(replay, name)[: len(stored)] = stored
+    replay.pos, replay.full = plain["pos"], plain["full"]
+    model._n_calls, model._episode_num = plain["calls"], plain["episode"]
+    model.action_space.np_random.bit_generator.state = plain["actions"]
 
 
 def _as_tensor(array: np.ndarray[Any, Any]) -> dict[str, Any]:

@@ -9,6 +9,8 @@ from typing import Annotated, Any, Final, TypeVar
 
 import tyro
 
+from overcooked_bench.agents.agent import UnknownLayout
+from overcooked_bench.agents.checks import AgentError
 from overcooked_bench.agents.manifest import PoolError
 from overcooked_bench.agents.policy import PolicyError
 from overcooked_bench.evaluation.statistics import t_interval
@@ -16,7 +18,7 @@ from overcooked_bench.kitchen.layout import Layout, LayoutError
 
 from ..presets import PresetError, checked, config_names, named_settings
 from .checkpoint import CheckpointError
-from .run import CHECKPOINT, CONFIG_FILE, Outcome, UnfitError
+from .run import Outcome, UnfitError
 from .seeds import USER, derive_seed
 from .settings import Settings
 
@@ -57,13 +59,26 @@ def main_of(method: str, kind: type[AnySettings], train: Callable[..., Outcome |
         settings = kind(**options)
         layout = Layout.load(settings.layout).name
         label = layout if "\n" not in layout else "custom"
-        output = output or Path("runs") / f"{method}-{label}-{settings.seed}"
-        if not resume and ((output / CONFIG_FILE).exists() or (output / CHECKPOINT).exists()):
+        chosen_name = f"-{name.replace(',', '-')}" if name else ""
+        output = output or Path("runs") / f"{method}{chosen_name}-{label}-{settings.seed}"
+        held = output.is_dir() and any(output.iterdir())
+        if held and not resume:
             raise CheckpointError(
                 f"{output} holds a run already; go on with it by --resume, or choose another --output"
             )
+        if resume and not held:
+            raise CheckpointError(f"{output}: no checkpoint to resume from; start without --resume")
         outcome = train(settings, output, derive_seed(USER, layout, method, settings.seed), resume=resume, every=every)
-    except (LayoutError, CheckpointError, UnfitError, PresetError, PolicyError, PoolError) as error:
+    except (
+        LayoutError,
+        UnknownLayout,
+        AgentError,
+        CheckpointError,
+        UnfitError,
+        PresetError,
+        PolicyError,
+        PoolError,
+    ) as error:
         print(f"overcooked-bench train: {error}", file=sys.stderr)
         return 2
     if outcome is None:
@@ -89,7 +104,7 @@ def _config_name(arguments: list[str]) -> tuple[str, list[str]]:
 def _options(kind: type[Settings], names: tuple[str, ...]) -> Any:
     """Gives the settings class with what belongs to a run alone."""
     run: list[tuple[str, Any, Any]] = [
-        ("config", _option(str, f"Named settings: {', '.join(names)}."), names[0]),
+        ("config", _option(str, f"Named settings: {', '.join(names)}; several are joined by commas."), names[0]),
         (
             "output",
             _option(Path | None, "Folder for everything; runs/<method>-<layout>-<seed> by default.", "-o"),

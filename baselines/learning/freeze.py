@@ -1,24 +1,31 @@
 """From a trained policy to a frozen one: its files, and what it reaches."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
+import torch
+from stable_baselines3 import DQN
+from stable_baselines3.common.base_class import BaseAlgorithm
 
 from overcooked_bench.agents.neural import NeuralAgent
 from overcooked_bench.agents.policy import ARCHITECTURES, PolicyFiles, load_policy, save_policy
 from overcooked_bench.evaluation.play import play_episodes
 from overcooked_bench.kitchen.layout import Layout
 
-from .networks import TrunkPolicy
+from .networks import Trunk, TrunkPolicy
 from .settings import Settings
 
 Returns = np.ndarray[tuple[int], np.dtype[np.float64]]
 
 
-def freeze(stem: Path, policy: TrunkPolicy, settings: Settings) -> PolicyFiles:
-    """Writes the actor of a policy, float16."""
-    shape = policy.observation_space.shape or ()
+GREEDINESS: Final = 100.0
+"""Values of actions become log-probabilities times this, so that sampling takes the best one almost always."""
+
+
+def freeze(stem: Path, model: BaseAlgorithm, settings: Settings) -> PolicyFiles:
+    """Writes the actor of a learner, float16; of DQN its network of values, sharpened."""
+    shape = model.observation_space.shape or ()
     told: dict[str, Any] = {
         "observation": settings.observation,
         "observation_shape": shape,
@@ -32,7 +39,17 @@ def freeze(stem: Path, policy: TrunkPolicy, settings: Settings) -> PolicyFiles:
         told["filters"] = settings.filters
         if settings.observation == "stack_states":
             told["previous"] = settings.previous
-    return save_policy(stem, ARCHITECTURES[settings.network](**told), policy.actor_weights())
+    return save_policy(stem, ARCHITECTURES[settings.network](**told), _actor_weights(model))
+
+
+def _actor_weights(model: BaseAlgorithm) -> dict[str, torch.Tensor]:
+    if isinstance(model.policy, TrunkPolicy):
+        return model.policy.actor_weights()
+    assert isinstance(model, DQN)
+    trunk, values = model.q_net.features_extractor, model.q_net.q_net[-1]
+    assert isinstance(trunk, Trunk)
+    action = {f"action.{part}": GREEDINESS * getattr(values, part) for part in ("weight", "bias")}
+    return {name: tensor.detach().cpu().clone() for name, tensor in (trunk.weights() | action).items()}
 
 
 def returns_with_itself(files: PolicyFiles, settings: Settings, episodes: int = 100) -> Returns:

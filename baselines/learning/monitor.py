@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-from stable_baselines3 import PPO
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 
@@ -101,8 +100,7 @@ class Monitor(BaseCallback):
         done = self._done
         self.stopped = self._asked
         if self.stopped or done - self._saved_at >= self._every:
-            assert isinstance(self.model, PPO)
-            save_checkpoint(self._checkpoint, self.model, self._config)
+            save_checkpoint(self._checkpoint, self.model, self._config)  # type: ignore[arg-type]
             self._saved_at = done
         self._check(done)
         self._snap(done)
@@ -146,7 +144,7 @@ class Monitor(BaseCallback):
         for share in self._settings.snapshots:
             stem = self._snapshots / snapshot_name(share)
             if done >= share * self._steps and not policy_files(stem).architecture.exists():
-                freeze(stem, self.model.policy, self._settings)  # type: ignore[arg-type]
+                freeze(stem, self.model, self._settings)
 
     @property
     def _env(self) -> OvercookedVecEnv:

@@ -3,23 +3,22 @@
 import json
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-import torch
+import numpy as np
+from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger, make_output_format
 
 from overcooked_bench.agents.policy import PolicyFiles, policy_files
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 
+from .algorithms import AnyLearner
 from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
 from .freeze import Returns, freeze, returns_with_itself
-from .learner import Learner
 from .monitor import Monitor, snapshot_name
-from .networks import TrunkPolicy, policy_kwargs
-from .pressure import Pressure
 from .seeds import restarted
 from .settings import Settings
 
@@ -28,6 +27,8 @@ CONFIG_FILE: Final = "config.json"
 CHECKPOINT: Final = "checkpoint.pt"
 RESTARTS: Final = "restarts.json"
 """The attempts that the divergence check gave up, in a run's folder."""
+RESULT: Final = "result.json"
+"""What a finished run brought, in its folder."""
 POLICY: Final = "policy"
 SNAPSHOTS: Final = "snapshots"
 
@@ -43,6 +44,7 @@ class Outcome:
         seconds: Wall-clock of training in this process.
         snapshots: Policies saved on the way, by share of the steps.
         restarts: How often the divergence check began anew.
+        with_partners: (E,) the same with the partners of the training, both seats; None where it had none of its own.
     """
 
     files: PolicyFiles
@@ -51,6 +53,7 @@ class Outcome:
     seconds: float
     snapshots: dict[float, PolicyFiles] = field(default_factory=dict)
     restarts: int = 0
+    with_partners: Returns | None = None
 
 
 class UnfitError(ValueError):
@@ -82,38 +85,18 @@ def make_env(settings: Settings, **others: Any) -> OvercookedVecEnv:
         raise UnfitError(str(error)) from error
 
 
-def make_learner(settings: Settings, env: OvercookedVecEnv, seed: int, pressure: Pressure | None = None) -> Learner:
-    """Makes the learner of a run, untrained."""
-    torch.set_num_threads(settings.threads)
-    return Learner(
-        TrunkPolicy,
-        env,
-        learning_rate=settings.learning_rate_at,
-        n_steps=settings.rollout,
-        batch_size=settings.learning_seats * settings.num_kitchens * settings.rollout // settings.minibatches,
-        n_epochs=settings.epochs,
-        gamma=settings.gamma,
-        gae_lambda=settings.gae_lambda,
-        clip_range=settings.clip,
-        vf_coef=settings.value_coefficient,
-        max_grad_norm=settings.max_grad_norm,
-        policy_kwargs=policy_kwargs(settings),
-        seed=seed,
-        device=settings.device,
-        pressure=pressure,
-    )
-
-
 def run(
     settings: Settings,
     method: str,
     output: Path,
     seed: int,
-    make: Callable[[int], Learner],
+    make: Callable[[int], AnyLearner],
     *,
     resume: bool = False,
     every: int = 250_000,
     told: dict[str, Any] | None = None,
+    callbacks: Sequence[BaseCallback] = (),
+    before: Callable[[int], None] = lambda joint_steps: None,
 ) -> Outcome | None:
     """Trains, freezes and evaluates one policy.
 
@@ -126,6 +109,9 @@ def run(
         resume: Whether to go on from the folder's checkpoint; the weights are those of an uninterrupted run.
         every: Joint steps between checkpoints.
         told: What else belongs to the resolved configuration, such as drawn weights or the partners' names.
+        callbacks: Of stable-baselines3, called before our own.
+        before: Told the joint steps of a checkpoint before the kitchens are restored, so that partners can be made
+            what they were.
 
     Returns:
         What came out, or None where the run was interrupted and saved.
@@ -134,9 +120,11 @@ def run(
         CheckpointError: There is nothing to resume from, or it belongs to another configuration.
         UnfitError: The settings do not fit the layout.
     """
-    resolved = json.loads(json.dumps({**asdict(settings), **(told or {}), "method": method, "training_seed": seed}))
+    resolved = resolved_config(settings, method, seed, told)
     checkpoint = output / CHECKPOINT
-    given_up = _restarts(output) if resume else []
+    if resume and (known := _finished(output, resolved, settings)):
+        return known
+    given_up: list[dict[str, Any]] = (read_json(output / RESTARTS) or []) if resume else []
     seconds = 0.0
     while True:
         attempt = len(given_up)
@@ -144,9 +132,9 @@ def run(
         config = resolved | ({"attempt": attempt} if attempt else {})
         going_on = resume and (checkpoint.exists() or not (output / CONFIG_FILE).exists())
         if going_on:  # a run that was killed before its first checkpoint begins anew
-            load_checkpoint(checkpoint, model, config)
+            load_checkpoint(checkpoint, model, config, before)
         output.mkdir(parents=True, exist_ok=True)
-        _write(output / CONFIG_FILE, resolved)
+        write_json(output / CONFIG_FILE, resolved)
         monitor = Monitor(
             config, checkpoint, every, settings, output / SNAPSHOTS, last_attempt=attempt >= settings.restarts
         )
@@ -154,7 +142,8 @@ def run(
         began = time.perf_counter()
         try:
             rows = model.n_envs // settings.num_kitchens
-            model.learn(rows * settings.steps - model.num_timesteps, monitor, reset_num_timesteps=not going_on)
+            left = rows * settings.steps - model.num_timesteps
+            model.learn(left, [*callbacks, monitor], reset_num_timesteps=not going_on)
         finally:
             monitor.close()
             model.logger.close()
@@ -162,33 +151,83 @@ def run(
         if monitor.diverged is None:
             break
         given_up.append({"seed": restarted(seed, attempt), **monitor.diverged})
-        _write(output / RESTARTS, given_up)
+        write_json(output / RESTARTS, given_up)
         checkpoint.unlink(missing_ok=True)
         for file in (output / SNAPSHOTS).glob("*"):
             file.unlink()
     if monitor.stopped:
         return None
     save_checkpoint(checkpoint, model, config)
-    files = freeze(output / POLICY, model.policy, settings)
-    snapshots = {share: policy_files(output / SNAPSHOTS / snapshot_name(share)) for share in settings.snapshots}
+    files = freeze(output / POLICY, model, settings)
     returns = returns_with_itself(files, settings)
-    return Outcome(files, returns, monitor.joint_steps(model), seconds, snapshots, len(given_up))
+    outcome = Outcome(files, returns, monitor.joint_steps(model), seconds, _snapshots(output, settings), len(given_up))
+    numbers = {"steps": outcome.steps, "seconds": seconds, "restarts": outcome.restarts, "returns": returns.tolist()}
+    write_json(output / RESULT, numbers)
+    return outcome
 
 
-def _restarts(output: Path) -> list[dict[str, Any]]:
-    try:
-        given_up: list[dict[str, Any]] = json.loads((output / RESTARTS).read_text())
-    except FileNotFoundError:
-        return []
-    except ValueError as error:
-        raise CheckpointError(f"{output / RESTARTS}: not JSON ({error}); choose another --output") from None
-    return given_up
+def resolved_config(settings: Settings, method: str, seed: int, told: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Gives what a run's folder says about it, as it is read back from JSON."""
+    content = {**asdict(settings), **(told or {}), "method": method, "training_seed": seed}
+    plain: dict[str, Any] = json.loads(json.dumps(content, default=str))
+    return plain
 
 
-def _write(file: Path, content: Any) -> None:
+def claim(output: Path, settings: Settings, method: str, seed: int, resume: bool) -> None:
+    """Writes the configuration of a run that consists of several into its folder.
+
+    Raises:
+        CheckpointError: The folder holds another one's.
+    """
+    resolved = resolved_config(settings, method, seed)
+    known = read_json(output / CONFIG_FILE) if resume else None
+    if known is not None and known != resolved:
+        raise CheckpointError(f"{output}: holds a run of another configuration; choose another --output")
+    output.mkdir(parents=True, exist_ok=True)
+    write_json(output / CONFIG_FILE, resolved)
+
+
+def write_json(file: Path, content: Any) -> None:
+    """Writes a file whole or not at all."""
     unfinished = file.with_suffix(".part")
     unfinished.write_text(json.dumps(content, indent=2) + "\n")
     os.replace(unfinished, file)
+
+
+def read_json(file: Path) -> Any:
+    """Reads a file; None where there is none.
+
+    Raises:
+        CheckpointError: It is not JSON.
+    """
+    try:
+        return json.loads(file.read_text())
+    except FileNotFoundError:
+        return None
+    except ValueError as error:
+        raise CheckpointError(f"{file}: not JSON ({error}); choose another --output") from None
+
+
+def _snapshots(output: Path, settings: Settings) -> dict[float, PolicyFiles]:
+    return {share: policy_files(output / SNAPSHOTS / snapshot_name(share)) for share in settings.snapshots}
+
+
+def _finished(output: Path, resolved: dict[str, Any], settings: Settings) -> Outcome | None:
+    """Gives the outcome of a run that is finished already, and was this one."""
+    try:
+        numbers = json.loads((output / RESULT).read_text())
+        if json.loads((output / CONFIG_FILE).read_text()) != resolved:
+            return None
+        return Outcome(
+            policy_files(output / POLICY),
+            np.asarray(numbers["returns"], np.float64),
+            numbers["steps"],
+            numbers["seconds"],
+            _snapshots(output, settings),
+            numbers["restarts"],
+        )
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
 
 
 def _open_logs(folder: Path, done: int, attempt: int) -> Logger:

@@ -24,3 +24,10 @@ def restarted(seed: int, attempt: int) -> int:
     if not attempt:
         return seed
     return int.from_bytes(hashlib.sha256(f"{seed}\nrestart\n{attempt}".encode()).digest()[:4], "big")
+
+
+def part_of(seed: int, part: str) -> int:
+    """Gives the seed of a part of a run that consists of several, such as one agent of a population."""
+    if "\n" in part:
+        raise ValueError(f"part={part!r}; give a name of one line")
+    return int.from_bytes(hashlib.sha256(f"{seed}\npart\n{part}".encode()).digest()[:4], "big")

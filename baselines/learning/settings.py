@@ -129,7 +129,16 @@ class Settings:
 
 @dataclass(frozen=True, kw_only=True)
 class PartnerSettings(Settings):
-    """Settings of a learner on one seat, with a partner of the environment on the other."""
+    """Settings of a learner on one seat, with a partner of the environment on the other.
+
+    A joint step gives one sample, half of what it gives in self-play, so there are twice as many, and a rollout is a
+    whole episode.
+    """
+
+    steps: int = 2_000_000
+    """Joint steps of training."""
+    rollout: int = 400
+    """Steps of each kitchen between updates."""
 
     @property
     def learning_seats(self) -> int:

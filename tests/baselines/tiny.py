@@ -4,8 +4,9 @@ from typing import Any
 
 import torch
 
+from overcooked_bench.baselines.learning.algorithms import make_learner
 from overcooked_bench.baselines.learning.learner import Learner
-from overcooked_bench.baselines.learning.run import make_env, make_learner
+from overcooked_bench.baselines.learning.run import make_env
 from overcooked_bench.baselines.learning.seeds import USER, derive_seed
 from overcooked_bench.baselines.self_play import METHOD, Config
 

@@ -39,8 +39,8 @@ def opinionated_learner(config):
 @pytest.mark.parametrize("observation", GRID_PLANES)
 def test_the_frozen_actor_is_the_learners_policy(observation, network, tmp_path):
     config = tiny(layout="coordination_ring", observation=observation, network=network, hidden=(16, 12), previous=5)
-    policy = opinionated_learner(config).policy
-    views = seen_in_play(observation)
+    model = opinionated_learner(config)
+    policy, views = model.policy, seen_in_play(observation)
     with torch.no_grad():
         theirs = policy.get_distribution(torch.from_numpy(views)).distribution.probs.numpy()
     assert theirs.max() > 0.8
@@ -48,7 +48,7 @@ def test_the_frozen_actor_is_the_learners_policy(observation, network, tmp_path)
         for parameter in policy.parameters():  # as they are stored, so that only the arithmetic is compared
             parameter.copy_(parameter.half().float())
         theirs = policy.get_distribution(torch.from_numpy(views)).distribution.probs.numpy()
-    frozen = load_policy(freeze(tmp_path / "policy", policy, config).weights)
+    frozen = load_policy(freeze(tmp_path / "policy", model, config).weights)
     ours = PolicyStack([frozen]).assign(np.zeros(len(views), int)).probabilities(views)
     np.testing.assert_allclose(ours, theirs, atol=1e-4)
 

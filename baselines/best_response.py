@@ -1,0 +1,60 @@
+"""Best response: one learner against partners that stay as they are, to it a part of the environment.
+
+Source: thesis, 7.1.1 (the single-agent view: the partner's sampled actions make the environment stochastic). Partners
+share out the parallel kitchens evenly; frozen policies of one architecture act in one stacked forward.
+"""
+
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from .learning.algorithms import Algorithm, AnyLearner, make_a2c, make_dqn, make_learner
+from .learning.command import main_of
+from .learning.partners import load_partners, partner_names, returns_with, sharing
+from .learning.run import Outcome, UnfitError, make_env, run
+from .learning.settings import PartnerSettings
+
+METHOD: Final = "best-response"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config(PartnerSettings):
+    """Trains one policy against fixed partners by an algorithm of stable-baselines3."""
+
+    partners: tuple[str, ...] = ("greedy",)
+    """Catalogue names, policies, submissions, or pools, whose agents on the layout all play."""
+    per_episode: int = 0
+    """How many partners are drawn for each episode; 0 lets all play at once."""
+    algorithm: Algorithm = "ppo"
+    """The learner; epochs, minibatches and clip are PPO's alone."""
+
+
+def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:
+    """Trains, freezes and evaluates one policy; see `run` for arguments, result and errors."""
+    names = partner_names(config.partners, config)
+
+    def make(seed: int) -> AnyLearner:
+        try:
+            partners = sharing(load_partners(names, config), config.per_episode)
+        except ValueError as error:
+            raise UnfitError(str(error)) from error
+        env = make_env(config, partners=partners)
+        if config.algorithm == "ppo":
+            return make_learner(config, env, seed)
+        return make_a2c(config, env, seed) if config.algorithm == "a2c" else make_dqn(config, env, seed)
+
+    outcome = run(config, METHOD, output, seed, make, resume=resume, every=every, told={"partner_names": names})
+    if outcome is None:
+        return None
+    episodes = max(1, 100 // len(names))
+    return replace(outcome, with_partners=returns_with(outcome.files, load_partners(names, config), config, episodes))
+
+
+def main(arguments: list[str]) -> int:
+    """Runs `overcooked-bench train best-response ...`; gives the exit code: 0, 2 for wrong use, 130 after Ctrl-C."""
+    return main_of(METHOD, Config, train, arguments)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))

@@ -1,0 +1,75 @@
+"""Biased self-play: each chef is also paid for events of its own, by weights drawn once for a run.
+
+The agents come out with habits: they like or avoid onions, dishes, counters. They make partners, not scores.
+
+Source: Yu et al. 2023, hidden-utility self-play (HSP), whose biased policies are self-play agents under event-weighted
+rewards. The events and weights are our own: a liked event pays less than a soup brings in the time it takes.
+"""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from .learning.algorithms import make_learner
+from .learning.command import main_of
+from .learning.learner import Learner
+from .learning.run import Outcome, UnfitError, make_env, run
+from .learning.seeds import part_of
+from .learning.settings import Settings
+
+METHOD: Final = "biased-self-play"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config(Settings):
+    """Trains one policy on both seats under rewards that are weighted by events."""
+
+    biased_events: tuple[str, ...] = (
+        *("onion_pickup", "onion_drop", "potting_onion"),
+        *("dish_pickup", "dish_drop", "soup_pickup", "soup_delivery"),
+    )
+    """Events that a chef may be paid for, by the names of the reference kitchen."""
+    bias_weights: tuple[float, ...] = (-3.0, 0.0, 0.5)
+    """What an event may pay, in points; each event's weight is drawn from these, uniformly, by the run's seed."""
+
+    def __post_init__(self) -> None:
+        """Checks the bias too.
+
+        Raises:
+            ValueError: Names the setting and what it may be.
+        """
+        Settings.__post_init__(self)
+        if not self.biased_events or not self.bias_weights:
+            raise ValueError("biased_events and bias_weights need at least one entry each; without bias use self-play")
+
+
+def event_weights(config: Config, seed: int) -> dict[str, float]:
+    """Draws the points that each event pays; never none at all."""
+    rng = np.random.default_rng(part_of(seed, "event weights"))
+    for _ in range(1000):
+        drawn = rng.choice(config.bias_weights, len(config.biased_events))
+        if drawn.any():
+            return {event: float(weight) for event, weight in zip(config.biased_events, drawn, strict=True)}
+    raise UnfitError(f"bias_weights={config.bias_weights}; give at least one weight that is not 0")
+
+
+def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:
+    """Trains, freezes and evaluates one policy; see `run` for arguments, result and errors."""
+    weights = event_weights(config, seed)
+
+    def make(seed: int) -> Learner:
+        return make_learner(config, make_env(config, self_play=True, event_rewards=weights), seed)
+
+    return run(config, METHOD, output, seed, make, resume=resume, every=every, told={"event_rewards": weights})
+
+
+def main(arguments: list[str]) -> int:
+    """Runs `overcooked-bench train biased-self-play ...`; gives the exit code: 0, 2 for wrong use, 130 after Ctrl-C."""
+    return main_of(METHOD, Config, train, arguments)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))

@@ -1,0 +1,99 @@
+"""Who sits on the other seat during training, from the names that a user gives."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from overcooked_bench.agents.agent import Agent
+from overcooked_bench.agents.catalogue import load_agent
+from overcooked_bench.agents.ensemble import SampledPartners
+from overcooked_bench.agents.manifest import MANIFEST, PoolError
+from overcooked_bench.agents.neural import NeuralAgent
+from overcooked_bench.agents.policy import Policy, PolicyFiles, load_policy
+from overcooked_bench.agents.pool import Pool, shipped_pools
+from overcooked_bench.evaluation.play import play_episodes
+from overcooked_bench.kitchen.layout import Layout
+
+from .freeze import Returns
+from .settings import Settings
+
+
+def partner_names(given: Sequence[str], settings: Settings) -> tuple[str, ...]:
+    """Spells out the partners: a pool's name or folder stands for all its agents on the layout.
+
+    Raises:
+        PoolError: A pool is damaged, has no agents here, or is of another cooking mode.
+    """
+    layout = Layout.load(settings.layout).name
+    names: list[str] = []
+    for name in given:
+        if name not in shipped_pools() and not (Path(name) / MANIFEST).is_file():
+            names.append(name)
+            continue
+        pool = Pool.load(name)
+        if pool.cooking != settings.cooking:
+            raise PoolError(f"pool {name!r} is of cooking {pool.cooking!r}; train with --cooking {pool.cooking}")
+        if not pool.agents(layout):
+            raise PoolError(f"pool {name!r} has no agents for {layout!r}; its layouts are {', '.join(pool.layouts)}")
+        names += [f"{name}/{layout}/{agent.name}" for agent in pool.agents(layout)]
+    return tuple(names)
+
+
+def load_partners(names: Sequence[str], settings: Settings) -> list[Agent]:
+    """Loads one agent for each name; frozen policies sample their actions.
+
+    Raises:
+        AgentError: There is no such agent.
+        UnknownLayout: It cannot play this layout.
+    """
+    layout = Layout.load(settings.layout).name
+    return [load_agent(name, layout, mode="sample") for name in names]
+
+
+def sharing(partners: list[Agent], per_episode: int) -> list[Agent]:
+    """Gives what `OvercookedVecEnv` is told as `partners`.
+
+    Args:
+        partners: Who can play.
+        per_episode: How many are drawn for each episode; 0 lets all play at once.
+
+    Raises:
+        ValueError: A draw is asked for among agents that are not frozen policies.
+    """
+    if not per_episode:
+        return partners
+    if not all(isinstance(partner, NeuralAgent) for partner in partners):
+        raise ValueError("per_episode draws among frozen policies; with other agents give 0, so that all play at once")
+    policies = [policy for partner in partners if isinstance(partner, NeuralAgent) for policy in partner.policies]
+    return [SampledPartners(policies, per_episode)]
+
+
+def returns_with(files: PolicyFiles, partners: Sequence[Agent | Policy], settings: Settings, episodes: int) -> Returns:
+    """Plays a frozen policy with each partner, both seats in turn.
+
+    Args:
+        files: The policy.
+        partners: Who it plays with.
+        settings: Of the kitchens.
+        episodes: For each partner and seat.
+
+    Returns:
+        (2 P episodes,) soup reward of each, partner by partner, sampled actions, in points.
+    """
+    parts = []
+    for k, partner in enumerate(partners):
+        other = NeuralAgent(partner) if isinstance(partner, Policy) else partner
+        ego = NeuralAgent(load_policy(files.weights))
+        for pair in ((ego, other), (other, ego)):
+            games = play_episodes(
+                settings.layout,
+                agents=pair,
+                episodes=episodes,
+                seed=k,
+                cooking=settings.cooking,
+                start=settings.start,
+                horizon=settings.horizon,
+            )
+            parts.append(np.asarray(games.soup_reward, np.float64))
+    return np.concatenate(parts)

@@ -1,0 +1,213 @@
+"""The thesis's own method: agents trained one by one against a population that each of them then joins, and two finals.
+
+Source: thesis, chapter 7. Decided where it is silent: the initial agents are chosen by a rule (`choose`) in place of by
+hand; the partners are drawn without replacement for each episode and share out the kitchens evenly; the divergence is
+averaged over the whole population that the agent is trained against; every schedule keeps its share of the steps where
+an agent is trained for longer; the pressure's reward is not annealed. All configurations of one seed share their
+initial agents where they share `--initial`.
+"""
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overcooked_bench.agents.ensemble import SampledPartners
+from overcooked_bench.agents.policy import Policy, load_policy, policy_files
+from overcooked_bench.kitchen.layout import Layout
+
+from .learning.algorithms import make_learner
+from .learning.command import main_of
+from .learning.inputs import spreader
+from .learning.learner import Learner
+from .learning.partners import load_partners, partner_names, returns_with
+from .learning.parts import begun, loaded, self_play_agents
+from .learning.pressure import Pressure
+from .learning.run import POLICY, Outcome, claim, make_env, read_json, run, write_json
+from .learning.seeds import part_of
+from .learning.settings import PartnerSettings
+from .pretrained_partners import self_play_config
+
+METHOD: Final = "population"
+CHOSEN: Final = "chosen.json"
+"""Which initial agents were chosen, and why."""
+LEAST_SUCCESS: Final = 0.5
+"""Share of the best candidate's return with itself that makes a candidate successful."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config(PartnerSettings):
+    """Trains a diverse population, one agent after the other, and two final agents against it."""
+
+    candidates: int = 5
+    """Self-play agents to choose the initial ones from."""
+    candidate_steps: int = 1_000_000
+    """Joint steps of each of them."""
+    chosen: int = 3
+    """Initial agents of the population."""
+    agents: int = 5
+    """Agents that are then trained and added, one by one."""
+    per_episode: int = 3
+    """Partners that are drawn from the population for each episode."""
+    final_factor: float = 1.5
+    """How many times longer the final agents are trained."""
+    reward_coefficient: float = 0.0
+    """Of the divergence as a reward."""
+    reward_clip: float = 0.0
+    """That reward in one step at most."""
+    loss_coefficient: float = 0.0
+    """Of the divergence as a term of the objective."""
+    loss_clip: float = 0.0
+    """That term of one sample at most."""
+    development: str = "dev-v0"
+    """The pool by which the initial agents are told apart; never the one that scores."""
+    initial: Path | None = None
+    """Where the candidates lie, for all configurations of one seed; beside the run's folder by default."""
+
+    def __post_init__(self) -> None:
+        """Checks the population too.
+
+        Raises:
+            ValueError: Names the setting and what it may be.
+        """
+        PartnerSettings.__post_init__(self)
+        if not 1 <= self.chosen <= self.candidates or self.agents < 0:
+            raise ValueError(
+                f"candidates={self.candidates}, chosen={self.chosen}, agents={self.agents}; choose from 1 up to all "
+                "of the candidates, and train 0 agents or more"
+            )
+        if not 1 <= self.per_episode <= self.chosen or self.final_factor <= 0:
+            raise ValueError(
+                f"per_episode={self.per_episode}, final_factor={self.final_factor}; draw from 1 up to the "
+                f"{self.chosen} initial agents, and give a factor above 0"
+            )
+
+    @property
+    def presses(self) -> bool:
+        """Whether the divergence is rewarded at all."""
+        return self.reward_coefficient > 0 or self.loss_coefficient > 0
+
+
+def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:
+    """Trains the population and the finals; the outcome is the first final's, `final-1` is trained without initials.
+
+    See `run` for arguments and errors. Each agent lies in a folder of its own under `output`.
+    """
+    development = partner_names((config.development,), config)  # before any training, lest a slip in it comes out late
+    claim(output, config, METHOD, seed, resume)
+    initial = config.initial or output.parent / f"initial-{Layout.load(config.layout).name}-{seed}"
+    own = self_play_config(config, config.candidate_steps)
+    candidates = self_play_agents([own] * config.candidates, initial, seed, every)
+    if candidates is None:
+        return None
+    chosen = _choose(config, [one.files.weights for one in candidates], development, output)
+    members = [loaded([candidates[i].files])[0] for i in chosen]
+    for k in range(config.agents):
+        outcome = _against(members, config, output / f"agent-{k}", part_of(seed, f"agent {k}"), every)
+        if outcome is None:
+            return None
+        members += loaded([outcome.files])
+    longer = replace(
+        config,
+        steps=round(config.final_factor * config.steps),
+        reward_coefficient=0.0,
+        reward_clip=0.0,
+        loss_coefficient=0.0,
+        loss_clip=0.0,
+    )
+    finals = []
+    for k, partners in enumerate((members, members[len(chosen) :] or members)):
+        final = _against(partners, longer, output / f"final-{k}", part_of(seed, f"final {k}"), every)
+        if final is None:
+            return None
+        finals.append(final)
+    for ours, theirs in zip(policy_files(output / POLICY), finals[0].files, strict=True):
+        ours.write_bytes(theirs.read_bytes())
+    with_partners = returns_with(finals[0].files, members, config, max(1, 50 // len(members)))
+    return replace(finals[0], files=policy_files(output / POLICY), with_partners=with_partners)
+
+
+def choose(own: Sequence[float], vectors: NDArray[np.float64], count: int) -> tuple[int, ...]:
+    """Chooses agents that are successful and pairwise as different as possible.
+
+    Successful is who reaches at least half of the best one's return with itself; the best ones where these are too few.
+    Two agents are as different as their returns with development partners are far apart (Euclidean distance). Of all
+    sets of successful agents that is taken whose distances have the largest sum, and of equal ones the first.
+
+    Args:
+        own: (A,) each candidate's return with itself.
+        vectors: (A, P) its returns with the development partners.
+        count: How many to choose.
+
+    Returns:
+        Indices of the chosen, in order.
+    """
+    order = np.argsort(-np.asarray(own), kind="stable")
+    good = [i for i in range(len(own)) if own[i] >= LEAST_SUCCESS * own[order[0]]]
+    if len(good) < count:
+        good = sorted(int(i) for i in order[:count])
+    distance = np.linalg.norm(vectors[:, None] - vectors[None], axis=-1)
+    sets = list(combinations(good, count))
+    return sets[int(np.argmax([sum(distance[i, j] for i, j in combinations(one, 2)) for one in sets]))]
+
+
+def _choose(config: Config, files: list[Path], development: Sequence[str], output: Path) -> list[int]:
+    """Measures the candidates and chooses; what was found once is read again."""
+    place = output / CHOSEN
+    hashes = [load_policy(file).sha256 for file in files]
+    known = read_json(place)
+    if known is not None and known["candidates"] == hashes:
+        return [int(i) for i in known["chosen"]]
+    partners = load_partners(development, config)
+    episodes = 20
+    own = [
+        float(returns_with(policy_files(file), loaded([policy_files(file)]), config, episodes).mean()) for file in files
+    ]
+    vectors = np.array(
+        [
+            returns_with(policy_files(file), partners, config, episodes).reshape(len(partners), -1).mean(1)
+            for file in files
+        ]
+    )
+    chosen = [int(i) for i in choose(own, vectors, config.chosen)]
+    output.mkdir(parents=True, exist_ok=True)
+    told = {"candidates": hashes, "own": own, "with_development_partners": vectors.tolist(), "chosen": chosen}
+    write_json(place, told)
+    return chosen
+
+
+def _against(members: Sequence[Policy], config: Config, folder: Path, seed: int, every: int) -> Outcome | None:
+    """Trains one agent against a population."""
+
+    def make(seed: int) -> Learner:
+        env = make_env(config, partners=[SampledPartners(members, min(config.per_episode, len(members)))])
+        return make_learner(config, env, seed, _pressure(members, config) if config.presses else None)
+
+    told = {"partner_hashes": [member.sha256 for member in members]}
+    return run(config, METHOD, folder, seed, make, resume=begun(folder), every=every, told=told)
+
+
+def _pressure(members: Sequence[Policy], config: Config) -> Pressure:
+    shape = members[0].architecture.observation_shape
+    return Pressure(
+        members,
+        spreader(Layout.load(config.layout), config.observation, shape),
+        reward_coefficient=config.reward_coefficient,
+        reward_clip=config.reward_clip,
+        loss_coefficient=config.loss_coefficient,
+        loss_clip=config.loss_clip,
+    )
+
+
+def main(arguments: list[str]) -> int:
+    """Runs `overcooked-bench train population ...`; gives the exit code: 0, 2 for wrong use, 130 after Ctrl-C."""
+    return main_of(METHOD, Config, train, arguments)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))

@@ -1,0 +1,99 @@
+"""Pretrained partners: a final agent against a population of frozen self-play agents of different seeds.
+
+With their mid-training checkpoints among the partners it is fictitious co-play.
+
+Source: thesis, 5.2.4; Strouse et al. 2021, "Collaborating with humans without human data" (untrained, half-trained and
+trained policy of each agent).
+"""
+
+import dataclasses
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from overcooked_bench.agents.ensemble import SampledPartners
+from overcooked_bench.agents.neural import NeuralAgent
+from overcooked_bench.agents.policy import Policy
+
+from .learning.algorithms import make_learner
+from .learning.command import main_of
+from .learning.learner import Learner
+from .learning.partners import load_partners, partner_names, returns_with
+from .learning.parts import begun, half_trained, loaded, self_play_agents
+from .learning.run import Outcome, UnfitError, make_env, run
+from .learning.settings import PartnerSettings
+from .self_play import Config as SelfPlay
+
+METHOD: Final = "pretrained-partners"
+MOMENTS: Final = (0.0, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
+"""Shares of a partner's training at which it is saved: the untrained one, and where the half-trained one is sought."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config(PartnerSettings):
+    """Trains one policy against a population of frozen self-play agents."""
+
+    pool: str = ""
+    """A pool whose agents are the population; empty trains one."""
+    agents: int = 8
+    """Self-play agents to train where no pool is given."""
+    agent_steps: int = 1_000_000
+    """Joint steps of each of them."""
+    checkpoints: bool = True
+    """Whether their untrained and half-trained policies are partners too (fictitious co-play)."""
+    per_episode: int = 3
+    """How many partners are drawn for each episode."""
+
+
+def self_play_config(config: PartnerSettings, steps: int, snapshots: tuple[float, ...] = ()) -> SelfPlay:
+    """Gives the settings of the self-play agents that belong to a method: what they share with its learner's."""
+    shared = {field.name: getattr(config, field.name) for field in dataclasses.fields(SelfPlay)}
+    rollout = max(1, config.rollout // 2)  # both chefs' steps make the same batch
+    return SelfPlay(**shared | {"steps": steps, "rollout": rollout, "snapshots": snapshots})
+
+
+def population(config: Config, output: Path, seed: int, every: int) -> list[Policy] | None:
+    """Gives the partners, trained first where they have to be; None where that was interrupted."""
+    if config.pool:
+        names = partner_names((config.pool,), config)
+        agents = load_partners(names, config)
+        return [policy for agent in agents if isinstance(agent, NeuralAgent) for policy in agent.policies]
+    own = self_play_config(config, config.agent_steps, MOMENTS if config.checkpoints else ())
+    outcomes = self_play_agents([own] * config.agents, output / "partners", seed, every)
+    if outcomes is None:
+        return None
+    files = [outcome.files for outcome in outcomes]
+    if config.checkpoints:
+        files += [outcome.snapshots[0.0] for outcome in outcomes]
+        files += [half_trained(outcome, own)[1] for outcome in outcomes]
+    return loaded(files)
+
+
+def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:
+    """Trains, freezes and evaluates one policy; see `run` for arguments, result and errors."""
+    partners = population(config, output, seed, every)
+    if partners is None:
+        return None
+
+    def make(seed: int) -> Learner:
+        try:
+            sampled = SampledPartners(partners, min(config.per_episode, len(partners)))
+        except ValueError as error:
+            raise UnfitError(str(error)) from error
+        return make_learner(config, make_env(config, partners=[sampled]), seed)
+
+    told = {"partner_hashes": sorted(partner.sha256 for partner in partners)}
+    outcome = run(config, METHOD, output, seed, make, resume=begun(output), every=every, told=told)
+    if outcome is None:
+        return None
+    return replace(outcome, with_partners=returns_with(outcome.files, partners, config, max(1, 100 // len(partners))))
+
+
+def main(arguments: list[str]) -> int:
+    """Runs `overcooked-bench train pretrained-partners ...`; gives the exit code: 0, 2 wrong use, 130 after Ctrl-C."""
+    return main_of(METHOD, Config, train, arguments)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))

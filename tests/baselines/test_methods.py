@@ -1,0 +1,186 @@
+"""Every training method: a short run, the same weights after a kill, what the command line says."""
+
+import json
+import signal
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from overcooked_bench import cli
+from overcooked_bench.agents.policy import load_policy
+from overcooked_bench.baselines.learning.seeds import USER, derive_seed
+from overcooked_bench.baselines.methods import METHODS
+from overcooked_bench.baselines.presets import config_class
+from overcooked_bench.cli import main as command
+from overcooked_bench.envs.sb3 import OvercookedVecEnv
+from tests.baselines.learning.test_checkpoint import press_ctrl_c
+from tests.baselines.tiny import SETTINGS, UPDATE
+
+OWN = {
+    "self-play": {"object_probability": 0.5, "observation": "stack_channels"},
+    "biased-self-play": {},
+    "best-response": {"partners": ("greedy", "dev-v0")},
+    "partner-sampling": {"save_every": UPDATE, "per_episode": 2},
+    "pretrained-partners": {"agents": 2, "agent_steps": 3 * UPDATE, "per_episode": 2},
+    "pbt": {"agents": 2, "rounds": 2, "pair_episodes": 1, "steps": 4 * UPDATE},
+    "population": {
+        **{"candidates": 2, "chosen": 2, "agents": 1, "per_episode": 2, "candidate_steps": 3 * UPDATE},
+        **{"loss_coefficient": 0.1, "loss_clip": 0.15, "reward_coefficient": 0.1, "reward_clip": 0.05},
+    },
+}
+"""What each method is told besides the settings of a tiny run."""
+LEGS = {"best-response": ({"algorithm": "a2c"}, {"algorithm": "dqn"})}
+CASES = [(method, {}) for method in METHODS] + [(method, own) for method, several in LEGS.items() for own in several]
+IDS = ["-".join([method, *own.values()]) for method, own in CASES]
+
+
+def settings(method, others=None):
+    kitchens = {"num_kitchens": 6, "rollout": 12, "minibatches": 2} if method == "best-response" else {}
+    return config_class(method)(**SETTINGS | kitchens | OWN[method] | (others or {}))
+
+
+def run(method, others, folder, resume=False):
+    module = import_module(f"overcooked_bench.baselines.{METHODS[method]}")
+    seed = derive_seed(USER, "cramped_room", method, 0)
+    return module.train(settings(method, others), folder, seed, resume=resume, every=UPDATE)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Gives a method's uninterrupted run, trained once: its folder and outcome."""
+    runs = {}
+
+    def of(method, others):
+        key = method, *sorted(others.values())
+        if key not in runs:
+            folder = tmp_path_factory.mktemp("whole") / "run"
+            runs[key] = folder, run(method, others, folder)
+        return runs[key]
+
+    return of
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("method", "others"), CASES, ids=IDS)
+def test_a_run_interrupted_again_and_again_gives_the_same_weights(method, others, tmp_path, whole, monkeypatch):
+    _, expected = whole(method, others)
+    outcome, goes = None, 0
+    while outcome is None:
+        with monkeypatch.context() as patch:
+            press_ctrl_c(patch, OvercookedVecEnv, "step_wait", 5 if method == "pbt" else 20)
+            outcome = run(method, others, tmp_path / "run", resume=goes > 0)
+        goes += 1
+        assert goes < 60
+    assert goes > 1
+    assert outcome.files.weights.read_bytes() == expected.files.weights.read_bytes()
+    assert outcome.returns.tolist() == expected.returns.tolist()
+    assert load_policy(outcome.files.weights).architecture.layout == "cramped_room"
+    if method not in ("self-play", "biased-self-play", "partner-sampling"):
+        assert outcome.with_partners.tolist() == expected.with_partners.tolist()
+
+
+KILLED = """
+import json, os, signal, sys
+from overcooked_bench.cli import main
+from overcooked_bench.envs.sb3 import OvercookedVecEnv
+
+play, left = OvercookedVecEnv.step_wait, 50
+
+def step_wait(env):
+    global left
+    left -= 1
+    if not left:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return play(env)
+
+OvercookedVecEnv.step_wait = step_wait
+for arguments in json.loads(sys.argv[1]):
+    child = os.fork()
+    if not child:
+        os._exit(main(arguments))
+    print(os.waitpid(child, 0)[1])
+"""
+
+
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory):
+    """Each method's command after its process got SIGKILL in the 50th step; one process, which forks, for all."""
+    home = tmp_path_factory.mktemp("killed")
+    commands = {
+        method: ["train", method, *flags(method), "--output", str(home / method), "--checkpoint-every", str(UPDATE)]
+        for method in METHODS
+    }
+    call = [sys.executable, "-c", KILLED, json.dumps([*commands.values()])]
+    done = subprocess.run(call, capture_output=True, text=True, timeout=600)
+    ends = [line for line in done.stdout.splitlines() if line.isdigit()]
+    assert ends == [str(int(signal.SIGKILL))] * len(METHODS), done.stderr
+    return commands
+
+
+def flags(method):
+    given = {**SETTINGS, **OWN[method], **({"num_kitchens": 6, "rollout": 12} if method == "best-response" else {})}
+    return [
+        text
+        for name, value in given.items()
+        for text in (f"--{name.replace('_', '-')}", *(map(str, value) if isinstance(value, tuple) else [str(value)]))
+    ]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", METHODS)
+def test_a_killed_command_goes_on_to_the_same_weights(method, killed, whole, capsys):
+    arguments = killed[method]
+    assert command(arguments) == 2
+    assert "--resume" in capsys.readouterr().err
+    assert command([*arguments, "--resume"]) == 0
+    _, expected = whole(method, {})
+    assert (Path(arguments[-3]) / "policy.safetensors").read_bytes() == expected.files.weights.read_bytes()
+    assert "return with itself" in capsys.readouterr().out
+
+
+def test_the_command_line_names_every_method():
+    assert tuple(METHODS) == cli._METHODS
+    assert all(METHODS[method] == method.replace("-", "_") for method in METHODS)
+
+
+def test_every_method_says_what_it_can_be_told(capsys):
+    for method in METHODS:
+        with pytest.raises(SystemExit, match="0"):
+            command(["train", method, "--help"])
+        assert f"overcooked-bench train {method}" in capsys.readouterr().out
+    assert command(["train", "self-pley"]) == 2
+    told = capsys.readouterr().err
+    assert all(method in told for method in METHODS)
+
+
+def test_the_weights_of_events_belong_to_the_seed(whole):
+    folder, _ = whole("biased-self-play", {})
+    config = json.loads((folder / "config.json").read_text())
+    weights = config["event_rewards"]
+    assert set(weights) == set(config["biased_events"])
+    assert set(weights.values()) <= set(config["bias_weights"])
+    assert any(weights.values())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["best-response", "--partners", "greedi"], "did you mean"),
+        (["best-response", "--partners", "dev-v0/counter_circuit/sp-0"], "cannot play"),
+        (["best-response", "--partners", "greedy", "--per-episode", "1"], "frozen policies"),
+        (["self-play", "--config", "thesys"], "did you mean 'thesis'"),
+        (["self-play", "--config", "thesis,stack_chanels"], "did you mean 'stack_channels'"),
+        (["population", "--development", "dev-v9"], "dev-v9"),
+        (["pretrained-partners", "--pool", "dev-v9"], "dev-v9"),
+    ],
+)
+def test_mistakes_are_answered_without_a_traceback(arguments, told, tmp_path, capsys):
+    method, *rest = arguments
+    sizes = [
+        f"--{name.replace('_', '-')}={SETTINGS[name]}" for name in ("steps", "num_kitchens", "rollout", "minibatches")
+    ]
+    assert command(["train", method, "--layout", "cramped_room", *sizes, *rest, "--output", str(tmp_path / "run")]) == 2
+    assert told in capsys.readouterr().err
