@@ -163,11 +163,12 @@ def _pair(name: str, halves: list[Scenario]) -> Item:
     if len(halves) != HALVES:
         told = ", ".join(sorted(scenario.id for scenario in halves))
         raise ScenarioError(f"{first.source}: the pair {name} has {len(halves)} scenarios ({told}); a pair has two")
-    if halves[0].category != halves[1].category:
-        raise ScenarioError(f"{first.source}: the halves of the pair {name} have different categories; give them one")
+    for key in ("category", "family"):
+        if len({getattr(half, key) for half in halves}) > 1:
+            raise ScenarioError(f"{first.source}: the halves of the pair {name} differ in `{key}`; give them one")
     played = tuple(half.seated(seat) for half in sorted(halves, key=lambda s: s.id) for seat in SEATS)
     tags = tuple(sorted({tag for half in halves for tag in half.tags}))
-    return Item(name + PAIR, played, name.partition("-")[0], tags)
+    return Item(name + PAIR, played, first.family, tags)
 
 
 def _is_path(entry: str | Path) -> bool:

@@ -237,3 +237,15 @@ def unused(lock: Lock, scenarios: Iterable[Scenario]) -> list[str]:
 def stale(lock: Lock, scenarios: Iterable[Scenario]) -> list[str]:
     """Lists the ids of scenarios that a lock does not know, or knows otherwise."""
     return sorted(scenario.id for scenario in scenarios if lock.entry(scenario) is None)
+
+
+def main() -> None:
+    """Brings the lock file of the scenarios that ship up to date."""
+    from overcooked_bench.scenarios.items import read_files, shipped_folder
+
+    folder = shipped_folder()
+    write_lock(folder / LOCK_FILE, read_files([folder]), lambda s, entry: print(s.id, entry.steps, entry.budget))
+
+
+if __name__ == "__main__":
+    main()

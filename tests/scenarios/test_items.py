@@ -30,8 +30,9 @@ def test_a_pair_is_one_item():
     assert [s.id for s in pair.scenarios] == ["T04-a", "T04-b"]
     with pytest.raises(ScenarioError, match=r"has 1 scenarios \(T04-b\)"):
         items(halves[:1])
-    with pytest.raises(ScenarioError, match="different categories"):
-        items([halves[0], scenario(POT, id="T04-c", pair="T04-both", category="memory")])
+    for key, value in (("category", "memory"), ("family", "yield")):
+        with pytest.raises(ScenarioError, match=f"differ in `{key}`"):
+            items([halves[0], scenario(POT, id="T04-c", pair="T04-both", **{key: value})])
 
 
 def test_an_id_is_taken_once():
