@@ -39,7 +39,7 @@ def _add_build(commands: Any) -> None:
 
 
 def _build(options: argparse.Namespace) -> int:
-    build = import_module("overcooked_bench.baselines.pool_build").main
+    build = import_module("overcooked_bench.baselines.pool_queue").main
     code: int = build(
         options.config,
         runs=options.runs,

@@ -113,10 +113,24 @@ def _compare(pool: Pool, layout: str, horizon: int) -> list[Finding]:
             for policy in policies
             for views in [np.concatenate(seen[policy.architecture.observation])]
         ]
-    findings = []
-    for (i, mine), (j, other) in combinations(enumerate(chances), 2):
-        distance = float(np.abs(mine - other).sum(axis=1).mean() / 2)
-        if distance < SAME:
-            text = f"{layout}: {names[i]} and {names[j]} act alike (total variation {distance:.4f} on average)"
-            findings.append(Finding(False, text))
-    return findings
+    return [
+        Finding(False, f"{layout}: {', '.join(names[i] for i in group)} act alike (within {SAME:g} in total variation)")
+        for group in _alike(chances)
+    ]
+
+
+def _alike(chances: list[NDArray[np.float32]]) -> list[list[int]]:
+    """Groups agents that are linked by near neighbours.
+
+    Args:
+        chances: (S, 6) action probabilities of each agent.
+
+    Returns:
+        Indices of the agents of each group of two or more.
+    """
+    group = list(range(len(chances)))
+    for i, j in combinations(range(len(chances)), 2):
+        if np.abs(chances[i] - chances[j]).sum(axis=1).mean() / 2 < SAME:
+            group = [group[i] if g == group[j] else g for g in group]
+    found = [[i for i, g in enumerate(group) if g == root] for root in sorted(set(group))]
+    return [members for members in found if len(members) > 1]

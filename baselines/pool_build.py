@@ -1,0 +1,221 @@
+"""Builds a pool from its configuration: trains what is missing, many runs side by side, and goes on after any stop.
+
+A run has a folder of its own, in which it is resumed; its agents, with their entries, lie there when it has ended. They
+are then copied into the pool, and the manifest is written anew, whole or not at all. What the pool holds is not trained
+again; what comes out depends on the configuration alone, not on stops, processes or order.
+"""
+
+import json
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from importlib import import_module
+from math import ceil
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from overcooked_bench.agents.manifest import MANIFEST, check_files, read_manifest, write_manifest
+from overcooked_bench.agents.policy import PolicyFiles, load_policy, policy_files
+from overcooked_bench.agents.records import AgentRecord, Manifest, PoolAgent
+from overcooked_bench.evaluation.profile import Measured, measure
+
+from .learning.run import CONFIG_FILE, Outcome, read_json, write_json
+from .methods import METHODS
+from .pool_config import EARLY, FINAL, HALF, Kind, PoolConfig, Run
+
+AGENTS_FILE: Final = "agents.json"
+"""A finished run's agents, in its folder: their entries, and where their policies lie."""
+_TOLD_ELSEWHERE: Final = ("layout", "seed", "method", "training_seed")  # in the manifest's entry itself
+
+
+class PoolBuildError(ValueError):
+    """What lies in a folder does not belong to this pool's configuration; says what to write instead."""
+
+
+def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
+    """Trains a run, going on where it was stopped, and writes down its agents.
+
+    Args:
+        run: What to train.
+        folder: Its own.
+        every: Joint steps between checkpoints.
+
+    Returns:
+        Whether it is finished; False where it was stopped, and saved.
+    """
+    if (folder / AGENTS_FILE).exists():
+        return True
+    train = import_module(f"{__package__}.{METHODS[run.group.method]}").train
+    outcome: Outcome | None = train(run.settings, folder, run.seed, resume=(folder / CONFIG_FILE).exists(), every=every)
+    if outcome is None:
+        return False
+    training = {**json.loads((folder / CONFIG_FILE).read_text()), "restarted": outcome.restarts}
+    if not outcome.restarts:
+        del training["restarted"]
+    entries = []
+    for kind, (files, done, found) in _keep(run, outcome).items():
+        record = AgentRecord(
+            name=run.agent(kind),
+            layout=run.layout,
+            method=run.group.method,
+            seed=run.seed,
+            namespace=run.pool.namespace,
+            lineage=run.lineage,
+            training={key: value for key, value in training.items() if key not in _TOLD_ELSEWHERE},
+            steps=done,
+            cooking=run.pool.cooking,
+            mode="sample",
+            self_play=found.self_play,
+            configuration=run.configuration,
+            checkpoint=round(done / outcome.steps, 4),
+            profile=found.profile,
+        )
+        stem = files.weights.with_suffix("").relative_to(folder).as_posix()
+        entries.append({"policy": stem, "record": msgspec.to_builtins(record)})
+    write_json(folder / AGENTS_FILE, {"seconds": round(outcome.seconds, 1), "agents": entries})
+    return True
+
+
+def _keep(run: Run, outcome: Outcome) -> dict[Kind, tuple[PolicyFiles, int, Measured]]:
+    """Chooses the agents of a run that enter the pool, with the joint steps that each has had and what it does."""
+    update = run.settings.num_kitchens * run.settings.rollout  # snapshots are taken between updates
+    found: dict[float, Measured] = {}
+
+    def measured(share: float) -> Measured:
+        if share not in found:
+            files = outcome.files if share == 1 else outcome.snapshots[share]
+            found[share] = measure(load_policy(files.weights), horizon=run.settings.horizon)
+        return found[share]
+
+    left, shares = sorted(outcome.snapshots), {FINAL: 1.0}
+    if EARLY in run.group.keep:
+        shares[EARLY] = left.pop(0)
+    if HALF in run.group.keep:
+        wanted = measured(1).self_play.mean / 2
+        shares[HALF] = min(left, key=lambda share: abs(measured(share).self_play.mean - wanted))
+    chosen: dict[Kind, tuple[PolicyFiles, int, Measured]] = {}
+    for kind in run.group.keep:
+        share = shares[kind]
+        files, done = outcome.files, outcome.steps
+        if share < 1:
+            files, done = outcome.snapshots[share], ceil(share * run.settings.steps / update) * update
+        chosen[kind] = files, done, measured(share)
+    return chosen
+
+
+def publish(run: Run, folder: Path, pool: Path) -> list[AgentRecord]:
+    """Copies a finished run's agents into the pool and writes the manifest anew; safe beside other builds.
+
+    Returns:
+        The entries.
+
+    Raises:
+        PoolBuildError: The run was made under another configuration.
+        PoolError: The pool that is there is damaged.
+    """
+    content = read_json(folder / AGENTS_FILE)
+    records = [msgspec.convert(agent["record"], AgentRecord) for agent in content["agents"]]
+    for record in records:
+        _check_entry(run, record, f"{folder}: this run")
+    if sorted(record.name for record in records) != sorted(map(run.agent, run.group.keep)):
+        raise PoolBuildError(
+            f"{folder}: this run kept other agents than the configuration asks for; use another --runs"
+        )
+    with locked(pool):
+        for agent, record in zip(content["agents"], records, strict=True):
+            for source, target in zip(
+                policy_files(folder / agent["policy"]), policy_files(pool / run.layout / record.name), strict=True
+            ):
+                target.parent.mkdir(exist_ok=True)
+                unfinished = target.with_name(target.name + ".part")
+                unfinished.write_bytes(source.read_bytes())
+                os.replace(unfinished, target)
+        manifest = _manifest(pool)
+        known = {(a.layout, a.name): _bare(a) for a in manifest.agents} if manifest else {}
+        known |= {(record.layout, record.name): record for record in records}
+        write_manifest(pool, run.pool.name, list(known.values()), cooking=run.pool.cooking)
+    return records
+
+
+def missing(config: PoolConfig, pool: Path) -> list[Run]:
+    """Lists the runs whose agents the pool does not hold yet.
+
+    Raises:
+        PoolBuildError: The pool is not this configuration's.
+        PoolError: It is damaged.
+    """
+    manifest, runs = _manifest(pool), config.runs()
+    if manifest is None:
+        return runs
+    if (manifest.name, manifest.cooking, manifest.mode) != (config.name, config.cooking, "sample"):
+        raise PoolBuildError(f"{pool} holds the pool {manifest.name!r}, not {config.name!r}; choose another --output")
+    held = {(agent.layout, agent.name): agent for agent in manifest.agents}
+    for entry in manifest.agents:
+        check_files(pool, manifest, entry)
+    left = []
+    for run in runs:
+        agents = [held.pop((run.layout, run.agent(kind)), None) for kind in run.group.keep]
+        for agent in filter(None, agents):
+            _check_entry(run, agent, f"{pool}: the agent {agent.layout}/{agent.name}")
+        if None in agents:
+            left.append(run)
+    if held:
+        names = ", ".join("/".join(key) for key in sorted(held))
+        raise PoolBuildError(
+            f"{pool} holds agents that the configuration does not name ({names}); choose another --output"
+        )
+    return left
+
+
+def _check_entry(run: Run, record: AgentRecord, what: str) -> None:
+    """Makes sure that an agent was trained as the configuration says."""
+    settings = json.loads(json.dumps(asdict(run.settings)))
+    now = {**settings, "method": run.group.method, "seed": run.seed, "configuration": run.configuration}
+    then = {**record.training, "method": record.method, "seed": record.seed, "configuration": record.configuration}
+    differing = [
+        f"{key} was {value!r}, is {now[key]!r}"
+        for key, value in then.items()
+        if value is not None and value != now.get(key, value)
+    ]
+    if differing:
+        raise PoolBuildError(
+            f"{what} was made under another configuration ({', '.join(differing)}); choose another --runs and --output"
+        )
+
+
+def _manifest(pool: Path) -> Manifest | None:
+    return read_manifest(pool) if (pool / MANIFEST).is_file() else None
+
+
+def _bare(agent: PoolAgent) -> AgentRecord:
+    return AgentRecord(**{name: getattr(agent, name) for name in AgentRecord.__struct_fields__})
+
+
+@contextmanager
+def locked(folder: Path, wait: bool = True) -> Iterator[bool]:
+    """Keeps other builds out of a folder, where the system can.
+
+    Args:
+        folder: Is made.
+        wait: Whether to wait for others to leave it.
+
+    Yields:
+        Whether it is ours.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        yield True
+        return
+    held = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(held, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        yield True
+    except BlockingIOError:
+        yield False
+    finally:
+        os.close(held)

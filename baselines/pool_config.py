@@ -1,0 +1,222 @@
+"""What a pool is to consist of: `configs/pools/<name>.yaml`, groups of training runs and which of their agents enter.
+
+Every agent of the pool follows from the file: its name, its layout, its training seed and all settings.
+"""
+
+import difflib
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.resources import files
+from itertools import combinations
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import msgspec
+import yaml
+
+from overcooked_bench.kitchen.layout import layout_names
+
+from .learning.seeds import derive_seed
+from .learning.settings import Settings
+from .presets import PresetError, config_names, load_config
+
+Kind = Literal["final", "half", "early"]
+FINAL: Final = "final"
+"""The agent at the end of a run."""
+HALF: Final = "half"
+"""The snapshot whose return with itself is nearest to half of the final one's."""
+EARLY: Final = "early"
+"""The first snapshot."""
+
+
+class PoolConfigError(ValueError):
+    """A pool's configuration cannot be found or read, or asks for what there is not; names the file and the key."""
+
+
+class Group(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Training runs of one kind.
+
+    Attributes:
+        prefix: Agents are named `<prefix>-<index>`, and `-<kind>` is added for all kinds but the first of `keep`.
+        method: Training method.
+        count: Runs on each layout.
+        config: A configuration of the method, the first one by default.
+        first: Index of the first seed among the method's in this namespace; groups of one method use different seeds.
+        overrides: Settings that replace the configuration's.
+        by_layout: The same for single layouts, on top of it.
+        keep: Which agents of a run enter the pool.
+        snapshots: Shares of the steps at which policies are saved for `half` and `early` to be chosen from.
+    """
+
+    prefix: str
+    method: str
+    count: int
+    config: str = ""
+    first: int = 0
+    overrides: dict[str, Any] = {}
+    by_layout: dict[str, dict[str, Any]] = {}
+    keep: tuple[Kind, ...] = (FINAL,)
+    snapshots: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        snapshots = sum(kind != FINAL for kind in self.keep)
+        for key, value, right, wanted in (
+            ("count", self.count, self.count >= 1, "a number from 1"),
+            ("first", self.first, self.first >= 0, "a number from 0"),
+            ("keep", list(self.keep), len(set(self.keep)) == len(self.keep) > 0, "final, half and early, each once"),
+            ("snapshots", list(self.snapshots), len(set(self.snapshots)) >= snapshots, f"{snapshots} shares at least"),
+        ):
+            if not right:
+                raise ValueError(f"group {self.prefix}: {key} is {value!r}; give {wanted}")
+
+
+class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A pool to be built.
+
+    Attributes:
+        name: The pool's name.
+        namespace: What seeds are derived in; no other pool's.
+        layouts: Shipped layouts.
+        groups: What is trained on each of them.
+        cooking: Cooking mode of all agents.
+    """
+
+    name: str
+    namespace: str
+    layouts: tuple[str, ...]
+    groups: tuple[Group, ...]
+    cooking: Literal["auto", "manual"] = "auto"
+
+    def __post_init__(self) -> None:
+        strange = sorted(
+            {*self.layouts, *(name for group in self.groups for name in group.by_layout)} - {*layout_names()}
+        )
+        if strange or not self.layouts or len(set(self.layouts)) < len(self.layouts):
+            raise ValueError(
+                f"layouts is {[*self.layouts, *strange]}; choose among {', '.join(layout_names())}, each once"
+            )
+        if not self.groups:
+            raise ValueError("groups is []; give one at least")
+        for one, other in combinations(self.groups, 2):
+            if one.prefix == other.prefix:
+                raise ValueError(f"two groups have the prefix {one.prefix!r}; give each its own")
+            overlap = max(one.first, other.first) < min(one.first + one.count, other.first + other.count)
+            if one.method == other.method and overlap:
+                raise ValueError(
+                    f"groups {one.prefix} and {other.prefix} would use the same seeds of {one.method}; write "
+                    f"first: {one.first + one.count} in {other.prefix}"
+                )
+
+    def runs(self) -> "list[Run]":
+        """Lists all training runs: the first of each group on every layout, then the second, and so on."""
+        most = max(group.count for group in self.groups)
+        return [
+            Run(self, group, layout, index)
+            for index in range(most)
+            for group in self.groups
+            for layout in self.layouts
+            if index < group.count
+        ]
+
+
+@dataclass(frozen=True)
+class Run:
+    """One training run of a pool.
+
+    Attributes:
+        pool: What it belongs to.
+        group: And within that.
+        layout: Where.
+        index: Which of the group's on this layout.
+    """
+
+    pool: PoolConfig
+    group: Group
+    layout: str
+    index: int
+
+    @property
+    def name(self) -> str:
+        """The name of its first agent, which the others' names begin with."""
+        return f"{self.group.prefix}-{self.index:0{len(str(self.group.count - 1))}}"
+
+    def agent(self, kind: Kind) -> str:
+        """The name of one of its agents."""
+        return self.name if kind == self.group.keep[0] else f"{self.name}-{kind}"
+
+    @property
+    def path(self) -> str:
+        """Where the run lies among the pool's runs."""
+        return f"{self.layout}/{self.group.prefix}-{self.index}"
+
+    @property
+    def lineage(self) -> str:
+        """What all its agents share, and no other agent has."""
+        return f"{self.pool.namespace}/{self.layout}/{self.name}"
+
+    @property
+    def seed(self) -> int:
+        """The training seed."""
+        group = self.group
+        return derive_seed(self.pool.namespace, self.layout, group.method, group.first + self.index)
+
+    @property
+    def configuration(self) -> str:
+        """The name of the method's configuration."""
+        return self.group.config or config_names(self.group.method)[0]
+
+    @cached_property
+    def settings(self) -> Settings:
+        """All settings of the training.
+
+        Raises:
+            PoolConfigError: The method, the configuration or a setting is unknown or out of range.
+        """
+        group = self.group
+        given = {**group.overrides, **group.by_layout.get(self.layout, {})}
+        taken = sorted({"layout", "seed", "cooking", "snapshots"} & given.keys())
+        if taken:
+            raise PoolConfigError(f"pool {self.pool.name}, group {group.prefix}: {taken[0]} is no override")
+        fixed = {"layout": self.layout, "cooking": self.pool.cooking, "snapshots": tuple(sorted(group.snapshots))}
+        try:
+            return load_config(group.method, group.config, **given, **fixed)
+        except (PresetError, ValueError) as error:
+            raise PoolConfigError(f"pool {self.pool.name}, group {group.prefix}: {error}") from None
+
+
+def pool_config_names() -> tuple[str, ...]:
+    """Lists the shipped configurations."""
+    shelf = files(__package__ or "").joinpath("configs", "pools")
+    return tuple(sorted(file.name.removesuffix(".yaml") for file in shelf.iterdir() if file.name.endswith(".yaml")))
+
+
+def load_pool_config(source: str | Path) -> PoolConfig:
+    """Reads a shipped configuration by name, or a YAML file, and checks the settings of every run.
+
+    Raises:
+        PoolConfigError: No such name or file, or something in it is wrong.
+    """
+    text = str(source)
+    if text in pool_config_names():
+        content = files(__package__ or "").joinpath("configs", "pools", f"{text}.yaml").read_text("utf-8")
+    elif Path(text).is_file():
+        try:
+            content = Path(text).read_text("utf-8")
+        except UnicodeDecodeError as error:
+            raise PoolConfigError(f"{text}: not a text file in UTF-8 ({error})") from None
+    else:
+        near = difflib.get_close_matches(text, pool_config_names(), n=1, cutoff=0.4)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        raise PoolConfigError(
+            f"no pool configuration named {text!r}; {hint}Shipped are {', '.join(pool_config_names())}; "
+            "the path of a YAML file will do too"
+        )
+    try:
+        config = msgspec.convert(yaml.safe_load(content), PoolConfig)
+    except yaml.YAMLError as error:
+        raise PoolConfigError(f"{text}: not YAML: {error}") from None
+    except (msgspec.ValidationError, ValueError) as error:
+        raise PoolConfigError(f"{text}: {error}") from None
+    for run in config.runs():
+        _ = run.settings
+    return config

@@ -1,0 +1,288 @@
+"""The queue behind `overcooked-bench pool build`: training runs side by side, each in a process of its own.
+
+The first Ctrl-C lets every run finish its update, saves, and stops; the second one ends them at once. Runs whose queue
+was killed notice it and stop by themselves. What a run prints is in `log.txt` in its folder.
+"""
+
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+import time
+import traceback
+from collections import deque
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, suppress
+from dataclasses import dataclass, field
+from multiprocessing.connection import wait
+from multiprocessing.context import SpawnProcess
+from pathlib import Path
+from typing import Any, Final
+
+from overcooked_bench.agents.pool import PoolError
+
+from .pool_build import PoolBuildError, locked, missing, publish, train_run
+from .pool_config import PoolConfig, PoolConfigError, Run, load_pool_config
+
+LOG: Final = "log.txt"
+_DONE, _FAILED, _STOPPED, _TAKEN = 0, 1, 130, 75
+_ONE_THREAD: Final = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+Report = Callable[[str], None]
+
+
+@dataclass
+class Result:
+    """What became of the runs.
+
+    Attributes:
+        finished: Names of those that are in the pool now.
+        failed: Names of those that ended by an error.
+        taken: Names of those that another build is at.
+        stopped: Whether the queue was stopped before its end.
+    """
+
+    finished: list[str] = field(default_factory=list)
+    failed: list[str] = field(default_factory=list)
+    taken: list[str] = field(default_factory=list)
+    stopped: bool = False
+
+
+def main(
+    source: str,
+    runs: str | None = None,
+    output: str | None = None,
+    processes: int = 1,
+    layouts: Sequence[str] | None = None,
+    groups: Sequence[str] | None = None,
+    limit: int | None = None,
+) -> int:
+    """Builds a pool as far as it is asked for.
+
+    Args:
+        source: A shipped configuration's name, or a YAML file.
+        runs: Folder for the training runs; `runs/<pool>` by default.
+        output: The pool's folder; `pools/<pool>` by default.
+        processes: Runs side by side.
+        layouts: Only these.
+        groups: Only these, by prefix.
+        limit: So many training runs at most.
+
+    Returns:
+        The exit code: 0 done, 1 a run failed, 2 wrong use.
+
+    Raises:
+        KeyboardInterrupt: Stopped by Ctrl-C; all runs are saved.
+    """
+    try:
+        config = load_pool_config(source)
+        home, pool = Path(runs or f"runs/{config.name}"), Path(output or f"pools/{config.name}")
+        wanted = _select(config, missing(config, pool), layouts, groups)
+        with _Display(len(wanted)) as display:
+            result = build(wanted[:limit], home, pool, processes, display)
+    except (PoolConfigError, PoolBuildError, PoolError) as error:
+        print(f"overcooked-bench pool build: {error}", file=sys.stderr)
+        return 2
+    if result.stopped:
+        raise KeyboardInterrupt
+    for name in result.failed:
+        print(f"failed: {name}; see {home / name / LOG}", file=sys.stderr)
+    left = len(wanted) - len(result.finished)
+    print(f"{pool}: {'complete' if not left else f'{left} runs are missing'}" + _selected(layouts, groups))
+    return _FAILED if result.failed else 0
+
+
+def build(
+    wanted: Sequence[Run],
+    home: Path,
+    pool: Path,
+    processes: int,
+    display: "_Display | None" = None,
+    every: int = 250_000,
+) -> Result:
+    """Trains runs side by side and puts each into the pool when it has ended.
+
+    Args:
+        wanted: What to train, in this order.
+        home: Folder for the runs.
+        pool: Folder of the pool.
+        processes: Runs at the same time.
+        display: Shows how far they are.
+        every: Joint steps between checkpoints of a run.
+    """
+    result, left = Result(), deque(wanted)
+    running: dict[Any, tuple[Run, SpawnProcess]] = {}
+    shown = display or _Display(0)
+    while running or (left and not result.stopped):
+        try:
+            while left and len(running) < processes and not result.stopped:
+                run = left.popleft()
+                process = _start(run, home / run.path, every)
+                running[process.sentinel] = run, process
+            for sentinel in wait(list(running), timeout=1.0):
+                run, process = running.pop(sentinel)
+                process.join()
+                _settle(run, process.exitcode, home / run.path, pool, result, shown.say)
+            shown.update(len(result.finished), {r.path: _last_line(home / r.path / LOG) for r, _ in running.values()})
+        except KeyboardInterrupt:
+            _stop([process for _, process in running.values()], at_once=result.stopped)
+            if not result.stopped:
+                shown.say("stopping and saving after the current updates; Ctrl-C again stops at once")
+            result.stopped = True
+    return result
+
+
+def _settle(run: Run, code: int | None, folder: Path, pool: Path, result: Result, say: Report) -> None:
+    if code == _DONE:
+        for record in publish(run, folder, pool):
+            own = record.self_play
+            say(
+                f"{run.layout} {record.name}: {own.mean:.0f} [{own.low:.0f}, {own.high:.0f}] points with itself after "
+                f"{record.steps:,} steps"
+            )
+        result.finished.append(run.path)
+    elif code == _TAKEN:
+        say(f"{run.path}: another build is at it")
+        result.taken.append(run.path)
+    elif code == _STOPPED:
+        result.stopped = True
+    else:
+        say(f"{run.path}: failed ({_last_line(folder / LOG)})")
+        result.failed.append(run.path)
+
+
+def _start(run: Run, folder: Path, every: int) -> SpawnProcess:
+    """Starts a run on one thread; Ctrl-C reaches the queue alone, which passes it on."""
+    os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
+    process = multiprocessing.get_context("spawn").Process(target=_work, args=(run, folder, every), name=run.path)
+    with _deaf():
+        process.start()
+    return process
+
+
+class _deaf(AbstractContextManager[None]):
+    """Ignores Ctrl-C for a moment, so that a new process begins with that."""
+
+    def __enter__(self) -> None:
+        self._before: Any = signal.SIG_DFL
+        with suppress(ValueError):  # not in the main thread
+            self._before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def __exit__(self, *_: object) -> None:
+        with suppress(ValueError):
+            signal.signal(signal.SIGINT, self._before)
+
+
+def _work(run: Run, folder: Path, every: int) -> None:
+    """What the process of a run does."""
+    if hasattr(os, "setpgrp"):
+        os.setpgrp()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    threading.Thread(target=_follow_parent, daemon=True).start()
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / LOG).open("a", encoding="utf-8") as log:
+        os.dup2(log.fileno(), 1)
+        os.dup2(log.fileno(), 2)
+    try:
+        with locked(folder, wait=False) as ours:
+            code = _TAKEN
+            if ours:
+                code = _DONE if train_run(run, folder, every) else _STOPPED
+    except KeyboardInterrupt:
+        code = _STOPPED
+    except Exception:
+        traceback.print_exc()
+        code = _FAILED
+    sys.exit(code)
+
+
+def _follow_parent() -> None:
+    """Stops this process as Ctrl-C does where the queue has died."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os.kill(os.getpid(), signal.SIGINT)
+
+
+def _stop(processes: Sequence[SpawnProcess], at_once: bool) -> None:
+    for process in processes:
+        if at_once:
+            process.kill()
+        elif process.pid is not None:
+            with suppress(ProcessLookupError):
+                os.kill(process.pid, signal.SIGINT)
+
+
+def _select(
+    config: PoolConfig, runs: list[Run], layouts: Sequence[str] | None, groups: Sequence[str] | None
+) -> list[Run]:
+    prefixes = [group.prefix for group in config.groups]
+    for what, given, known in (("layout", layouts, config.layouts), ("group", groups, prefixes)):
+        strange = sorted(set(given or ()) - set(known))
+        if strange:
+            raise PoolConfigError(f"pool {config.name} has no {what} {strange[0]!r}; it has {', '.join(known)}")
+    return [
+        run
+        for run in runs
+        if (layouts is None or run.layout in layouts) and (groups is None or run.group.prefix in groups)
+    ]
+
+
+def _selected(layouts: Sequence[str] | None, groups: Sequence[str] | None) -> str:
+    chosen = ", ".join([*(layouts or ()), *(groups or ())])
+    return f" ({chosen})" if chosen else ""
+
+
+def _last_line(log: Path) -> str:
+    try:
+        with log.open("rb") as file:
+            file.seek(max(0, log.stat().st_size - 500))
+            lines = file.read().decode("utf-8", "replace").strip().splitlines()
+    except OSError:
+        return ""
+    return lines[-1].strip() if lines else ""
+
+
+class _Display(AbstractContextManager["_Display"]):
+    """How far the queue is: on a terminal what runs, elsewhere a line for each finished agent.
+
+    Args:
+        of: Runs in all.
+    """
+
+    def __init__(self, of: int) -> None:
+        from rich.console import Console
+        from rich.live import Live
+
+        self._of, self._began = of, time.monotonic()
+        self._console = Console(stderr=True)
+        self._live = Live(console=self._console, auto_refresh=False, transient=True)
+
+    def __enter__(self) -> "_Display":
+        if self._console.is_terminal:
+            self._live.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._live.stop()
+
+    def say(self, line: str) -> None:
+        """Prints a line that stays."""
+        if self._console.is_terminal:
+            self._console.print(line, highlight=False, markup=False)
+        else:
+            print(line, flush=True)
+
+    def update(self, done: int, running: dict[str, str]) -> None:
+        """Shows what runs now, and what each run said last."""
+        if not self._console.is_terminal:
+            return
+        from rich.console import Group
+        from rich.text import Text
+
+        passed = time.monotonic() - self._began
+        left = f", {passed / done * (self._of - done) / 60:.0f} min left" if done else ""
+        head = f"{done} of {self._of} runs, {passed / 60:.0f} min{left}"
+        lines = [Text(f"  {path}  {said}", style="dim", no_wrap=True) for path, said in running.items()]
+        self._live.update(Group(Text(head), *lines), refresh=True)

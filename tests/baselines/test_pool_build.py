@@ -1,0 +1,215 @@
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from overcooked_bench.agents.pool import Pool
+from overcooked_bench.baselines import pool_build, pool_queue
+from overcooked_bench.baselines.pool_build import PoolBuildError, locked, missing, publish, train_run
+from overcooked_bench.baselines.pool_queue import main
+from overcooked_bench.envs.sb3 import OvercookedVecEnv
+from tests.baselines.learning.test_checkpoint import press_ctrl_c
+from tests.baselines.pools import OVERRIDES, THREE_AGENTS, group, pool_config, write_config
+from tests.baselines.tiny import UPDATE
+
+LAYOUT = "cramped_room"
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """A pool of two runs, trained in this process: the folder that holds `runs` and `pool`."""
+    home = tmp_path_factory.mktemp("built")
+    for run in pool_config(home).runs():
+        assert train_run(run, home / "runs" / run.path)
+        publish(run, home / "runs" / run.path, home / "pool")
+    return home
+
+
+def test_agents_are_written_with_all_that_is_known(built):
+    pool = Pool.load(built / "pool")
+    assert [agent.name for agent in pool.agents(LAYOUT)] == ["other-0", "sp-0", "sp-0-early", "sp-0-half"]
+    final, early, half = (pool.agent(LAYOUT, name) for name in ("sp-0", "sp-0-early", "sp-0-half"))
+    assert [agent.checkpoint for agent in (early, half, final)] == [0, 0.4, 1]
+    assert [agent.steps for agent in (early, half, final)] == [0, 2 * UPDATE, 5 * UPDATE]
+    assert final.lineage == early.lineage == half.lineage == "tests of pools/cramped_room/sp-0"
+    assert (final.method, final.configuration, final.namespace) == ("self-play", "fast", "tests of pools")
+    assert final.training["epochs"] == OVERRIDES["epochs"]
+    assert not {"layout", "seed", "method", "training_seed"} & final.training.keys()
+    assert final.self_play.episodes == 100
+    assert 0 < final.profile.entropy < 1.8
+    assert len({agent.files.weights.sha256 for agent in pool.manifest.agents}) == 4
+    assert missing(pool_config(built), built / "pool") == []
+
+
+def test_a_stopped_run_goes_on_to_the_same_agents(built, tmp_path, monkeypatch):
+    run = pool_config(built).runs()[0]
+    with monkeypatch.context() as patch:
+        press_ctrl_c(patch, OvercookedVecEnv, "step_wait", 2 * UPDATE // 4 + 8)
+        assert not train_run(run, tmp_path / "run")
+    assert not (tmp_path / "run" / "agents.json").exists()
+    assert train_run(run, tmp_path / "run")
+    publish(run, tmp_path / "run", tmp_path / "pool")
+    ours, theirs = Pool.load(tmp_path / "pool"), Pool.load(built / "pool")
+    assert list(ours.agents(LAYOUT)) == [agent for agent in theirs.agents(LAYOUT) if agent.name != "other-0"]
+
+
+def test_a_finished_run_is_not_trained_again(built, monkeypatch):
+    monkeypatch.setattr(pool_build, "import_module", lambda _: pytest.fail("trained again"))
+    run = pool_config(built).runs()[0]
+    before = (built / "pool" / "manifest.json").read_bytes()
+    assert train_run(run, built / "runs" / run.path)
+    publish(run, built / "runs" / run.path, built / "pool")
+    assert (built / "pool" / "manifest.json").read_bytes() == before
+
+
+def test_half_is_what_reaches_half_of_the_end(built, monkeypatch):
+    """The choice alone: the returns are made up, as are the policies' files."""
+    import types
+
+    reached = {"final": 200, "at-0.2": 40, "at-0.4": 90, "at-0.6": 120, "at-0.8": 190}
+    monkeypatch.setattr(pool_build, "load_policy", lambda file: file)
+    found = lambda file, horizon: types.SimpleNamespace(self_play=types.SimpleNamespace(mean=reached[file]))  # noqa: E731
+    monkeypatch.setattr(pool_build, "measure", found)
+    files = {name: types.SimpleNamespace(weights=name) for name in reached}
+    snapshots = {float(name[3:]): file for name, file in files.items() if name != "final"}
+    outcome = types.SimpleNamespace(files=files["final"], steps=5 * UPDATE, snapshots=snapshots)
+
+    def kept(keep):
+        shares = [0.2, 0.4, 0.6, 0.8]
+        (run,) = pool_config(built, group(keep=keep, snapshots=shares)).runs()
+        return {kind: file.weights for kind, (file, _, _) in pool_build._keep(run, outcome).items()}
+
+    assert kept(["final", "half", "early"]) == {"final": "final", "half": "at-0.4", "early": "at-0.2"}
+    assert kept(["half"]) == {"half": "at-0.4"}
+    reached["at-0.4"] = 20
+    assert kept(["half"]) == {"half": "at-0.6"}
+    reached["final"] = 0  # nothing learned: the least that there is beside `early`
+    assert kept(["half", "early"]) == {"half": "at-0.4", "early": "at-0.2"}
+
+
+@pytest.mark.parametrize(
+    ("groups", "others", "message"),
+    [
+        ([group(**THREE_AGENTS), group("other", first=1)], {"name": "b"}, "holds the pool 'tiny', not 'b'"),
+        ([group(**THREE_AGENTS)], {}, "does not name .cramped_room/other-0."),
+        ([group(**THREE_AGENTS), group("other", first=2)], {}, "seed was"),
+        (
+            [group(**THREE_AGENTS), group("other", first=1, overrides={**OVERRIDES, "epochs": 9})],
+            {},
+            "epochs was 2, is 9",
+        ),
+        ([group(**THREE_AGENTS), group("other", first=1, overrides={**OVERRIDES, "steps": 999})], {}, "steps was 320"),
+    ],
+    ids=["name", "fewer", "seed", "setting", "steps"],
+)
+def test_another_configurations_pool_is_refused(built, tmp_path, groups, others, message):
+    with pytest.raises(PoolBuildError, match=message):
+        missing(pool_config(tmp_path, *groups, **others), built / "pool")
+
+
+def test_what_a_pool_lacks_is_listed(built, tmp_path):
+    config = pool_config(tmp_path, group(**{**THREE_AGENTS, "count": 2}), group("other", first=5))
+    assert [run.path for run in missing(config, tmp_path / "none")] == [
+        f"{LAYOUT}/{n}" for n in ("sp-0", "other-0", "sp-1")
+    ]
+
+
+def test_another_configurations_run_is_not_published(built, tmp_path):
+    folder = built / "runs" / LAYOUT / "other-0"
+    (run,) = pool_config(tmp_path, group("other", first=1, overrides={**OVERRIDES, "gamma": 0.5})).runs()
+    with pytest.raises(PoolBuildError, match=r"gamma was 0\.99, is 0\.5"):
+        publish(run, folder, tmp_path / "pool")
+    (run,) = pool_config(tmp_path, group("another", first=1)).runs()
+    with pytest.raises(PoolBuildError, match="kept other agents"):
+        publish(run, folder, tmp_path / "pool")
+    assert not (tmp_path / "pool").exists()
+
+
+def test_one_build_at_a_time(tmp_path):
+    with locked(tmp_path / "run", wait=False) as ours:
+        assert ours
+        with locked(tmp_path / "run", wait=False) as theirs:
+            assert not theirs
+    with locked(tmp_path / "run", wait=False) as again:
+        assert again
+
+
+def test_the_command_publishes_what_is_there(built, tmp_path, capsys, monkeypatch):
+    """Everything but the training: both runs are finished, one after the other is put into a new pool."""
+
+    class Ended:
+        sentinel, exitcode, pid = 0, 0, 1
+        join = kill = lambda self: None
+
+    monkeypatch.setattr(pool_queue, "_start", lambda *_: Ended())
+    monkeypatch.setattr(pool_queue, "wait", lambda sentinels, timeout: sentinels)
+    where = {"runs": str(built / "runs"), "output": str(tmp_path / "pool")}
+    config = str(write_config(tmp_path))
+    assert main(config, **where, limit=1) == 0
+    told = capsys.readouterr().out
+    assert "cramped_room sp-0-half: 0 [0, 0] points with itself after 128 steps" in told
+    assert told.endswith(f"{tmp_path / 'pool'}: 1 runs are missing\n")
+    assert main(config, **where, groups=["other"], layouts=[LAYOUT]) == 0
+    assert capsys.readouterr().out.endswith("complete (cramped_room, other)\n")
+    assert (tmp_path / "pool" / "manifest.json").read_bytes() == (built / "pool" / "manifest.json").read_bytes()
+    Ended.exitcode = 1
+    assert main(config, runs=where["runs"], output=str(tmp_path / "new"), limit=1) == 1
+    assert "failed: cramped_room/sp-0" in capsys.readouterr().err
+    Ended.exitcode = 130
+    with pytest.raises(KeyboardInterrupt):
+        main(config, runs=where["runs"], output=str(tmp_path / "new"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere"], "Shipped are dev-v0"),
+        (["dev-v1", "--layouts", "bottleneck"], "has no layout 'bottleneck'"),
+        (["dev-v1", "--groups", "bc"], "has no group 'bc'; it has sp, biased, half"),
+        (["dev-v1", "--processes", "0"], "give a whole number from 1"),
+    ],
+    ids=["config", "layout", "group", "processes"],
+)
+def test_mistakes_end_in_one_message(arguments, words, tmp_path, monkeypatch, capsys):
+    from overcooked_bench.cli import main as program
+
+    monkeypatch.chdir(tmp_path)
+    try:
+        code = program(["pool", "build", *arguments])
+    except SystemExit as stop:  # argparse
+        code = stop.code
+    assert code == 2
+    assert words in capsys.readouterr().err
+    assert json.dumps([*tmp_path.iterdir()]) == "[]"
+
+
+@pytest.mark.slow
+def test_processes_are_stopped_by_ctrl_c_and_go_on_to_the_same_pool(tmp_path):
+    """The command as people run it: two processes, Ctrl-C while they train, and the same command again."""
+    longer = {**OVERRIDES, "steps": 80 * UPDATE}
+    groups = (
+        group(overrides=longer, keep=["early", "final"], snapshots=[0.5]),
+        group("other", first=1, overrides=longer),
+    )
+    program = [sys.executable, "-c", "import sys; from overcooked_bench.cli import main; sys.exit(main())"]
+    command = [*program, "pool", "build", str(write_config(tmp_path, *groups)), "--processes", "2"]
+    command += ["--runs", str(tmp_path / "runs"), "--output", str(tmp_path / "pool")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as queue:
+        deadline = time.monotonic() + 200
+        while not [*tmp_path.glob("runs/*/*/logs/*")] and time.monotonic() < deadline:
+            time.sleep(0.02)
+        queue.send_signal(signal.SIGINT)
+        _, said = queue.communicate(timeout=300)
+    assert queue.returncode == 130, said
+    assert "Traceback" not in said
+    assert len([*tmp_path.glob("runs/*/*/agents.json")]) < 2
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.endswith("complete\n")
+    for run in pool_config(tmp_path, *groups).runs():
+        assert train_run(run, tmp_path / "again" / run.path)
+        publish(run, tmp_path / "again" / run.path, tmp_path / "whole")
+    assert (tmp_path / "pool" / "manifest.json").read_bytes() == (tmp_path / "whole" / "manifest.json").read_bytes()

@@ -1,0 +1,119 @@
+from dataclasses import asdict
+
+import pytest
+
+from overcooked_bench.agents.pool import Pool
+from overcooked_bench.baselines.learning.seeds import derive_seed
+from overcooked_bench.baselines.pool_config import PoolConfigError, load_pool_config, pool_config_names
+from tests.baselines.pools import OVERRIDES, group, pool_config, write_config
+
+
+def test_every_run_follows_from_the_file(tmp_path):
+    config = pool_config(
+        tmp_path,
+        group(count=11, by_layout={"cramped_room": {"steps": 640}}),
+        group("half", count=2, first=11, keep=["half", "final"], snapshots=[0.8, 0.4]),
+        layouts=["coordination_ring", "cramped_room"],
+        cooking="manual",
+    )
+    runs = config.runs()
+    assert len(runs) == 26
+    assert [run.path for run in runs[:5]] == [
+        *("coordination_ring/sp-0", "cramped_room/sp-0"),
+        *("coordination_ring/half-0", "cramped_room/half-0", "coordination_ring/sp-1"),
+    ]
+    assert [run.name for run in runs[:3]] == ["sp-00", "sp-00", "half-0"]
+    assert [runs[2].agent(kind) for kind in runs[2].group.keep] == ["half-0", "half-0-final"]
+    assert [run.settings.steps for run in runs[:3]] == [320, 640, 320]
+    assert runs[2].seed == derive_seed("tests of pools", "coordination_ring", "self-play", 11)
+    assert runs[2].settings.snapshots == (0.4, 0.8)
+    assert {run.settings.cooking for run in runs} == {"manual"}
+    assert len({(run.layout, run.seed) for run in runs}) == len({run.lineage for run in runs}) == 26
+
+
+@pytest.mark.parametrize(
+    ("groups", "others", "message"),
+    [
+        ([group(count=0)], {}, "group sp: count is 0"),
+        ([group(method="magic")], {}, "no training method named 'magic'"),
+        ([group(config="fst")], {}, "did you mean 'fast'"),
+        ([group(overrides={"step": 1})], {}, "did you mean 'steps'"),
+        ([group(overrides={**OVERRIDES, "steps": 1})], {}, "steps=1; give at least two updates"),
+        ([group(overrides={"cooking": "manual"})], {}, "cooking is no override"),
+        ([group(keep=["half"])], {}, "give 1 shares at least"),
+        ([group(keep=["half", "early"], snapshots=[0.5])], {}, "give 2 shares at least"),
+        ([group(keep=["best"])], {}, "Invalid enum value 'best'"),
+        ([group(keep=[])], {}, "each once"),
+        ([group(), group()], {}, "two groups have the prefix 'sp'"),
+        ([group(count=3), group("more", first=2)], {}, "write first: 3 in more"),
+        ([group(surprise=1)], {}, "unknown field `surprise`"),
+        ([group()], {"layouts": ["cramped_rom"]}, "choose among .*cramped_room"),
+        ([group()], {"layouts": []}, "choose among"),
+        ([group(by_layout={"kitchen": {}})], {}, "choose among"),
+        ([group()], {"groups": []}, "give one at least"),
+        ([group()], {"cooking": "slow"}, "Invalid enum value 'slow'"),
+    ],
+    ids=[
+        *(
+            "count",
+            "method",
+            "config",
+            "setting",
+            "range",
+            "override",
+            "no-snapshots",
+            "few-snapshots",
+            "kind",
+            "nothing",
+        ),
+        *("prefix", "seeds", "key", "layout", "no-layouts", "by-layout", "no-groups", "cooking"),
+    ],
+)
+def test_mistakes_are_told(tmp_path, groups, others, message):
+    with pytest.raises(PoolConfigError, match=message):
+        pool_config(tmp_path, *groups, **others)
+
+
+def test_unknown_and_broken_files_are_told(tmp_path):
+    with pytest.raises(PoolConfigError, match="did you mean 'dev-v1'"):
+        load_pool_config("dev-v2")
+    file = write_config(tmp_path)
+    for content, message in ((b"{", "not YAML"), (b"\xff", "UTF-8"), (b"[]", "Expected `object`")):
+        file.write_bytes(content)
+        with pytest.raises(PoolConfigError, match=message):
+            load_pool_config(file)
+
+
+def test_no_two_shipped_configurations_share_a_seed():
+    seeds = {}
+    for name in pool_config_names():
+        config = load_pool_config(name)
+        assert config.name == name
+        for run in config.runs():
+            assert seeds.setdefault((run.layout, run.seed), run.lineage) == run.lineage
+    assert len({lineage.partition("/")[0] for lineage in seeds.values()}) == len(pool_config_names())
+
+
+def test_the_pools_are_as_large_as_they_should_be():
+    sizes = {
+        name: {
+            layout: len([r for r in load_pool_config(name).runs() if r.layout == layout])
+            for layout in ("cramped_room", "counter_circuit")
+        }
+        for name in pool_config_names()
+    }
+    assert sizes["dev-v1"] == {"cramped_room": 10, "counter_circuit": 10}
+    assert sizes["train-v1"] == {"cramped_room": 16, "counter_circuit": 16}
+
+
+def test_the_first_pool_was_trained_with_what_its_configuration_says():
+    pool = Pool.load("dev-v0")
+    runs = load_pool_config("dev-v0").runs()
+    assert len(runs) == len(pool.manifest.agents)
+    for run in runs:
+        agent, settings = pool.agent(run.layout, run.name), asdict(run.settings)
+        assert (agent.seed, agent.lineage, agent.method) == (run.seed, run.lineage, run.group.method)
+        update = settings["num_kitchens"] * settings["rollout"]
+        assert run.settings.steps <= agent.steps < run.settings.steps + update
+        for key, value in agent.training.items():
+            assert settings[key] == (tuple(value) if isinstance(value, list) else value), key
