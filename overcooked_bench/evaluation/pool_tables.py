@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rich.console import Group
     from rich.table import Table
 
-DEEDS = ("pots", "plates", "deliveries", "counter_drops", "counter_pickups")
+DEEDS = ("pots", "deliveries", "counter_drops", "counter_pickups")
 
 
 def pool_tables(pool: Pool, layouts: Sequence[str]) -> "Group":
@@ -29,7 +29,7 @@ def pool_tables(pool: Pool, layouts: Sequence[str]) -> "Group":
     note = (
         "With itself: points an episode [95 % over episodes]; seats: points of the soups that its own chef delivers. "
         "Done: share of the run's steps. Nats: entropy of its actions (uniform: 1.79). How often in an episode, both "
-        "chefs: put into pots, plated, served, dropped on counters, picked from counters."
+        "chefs: put into pots, served, dropped on counters, picked from counters."
     )
     return Group(*parts, Text(""), Text(note, style="dim"))
 
@@ -61,8 +61,8 @@ def crossplay_tables(found: Sequence[CrossPlay]) -> "Group":
 
 def _agents(agents: Sequence[PoolAgent]) -> "Table":
     profiled = any(agent.profile for agent in agents)
-    columns = ("seats", "nats", "pots", "plates", "served", "drops", "picks") if profiled else ()
-    table = plain_table("agent", "method", "done", "with itself", *columns, unbroken=("with itself", "seats"))
+    columns = ("seats", "nats", "pots", "served", "drops", "picks") if profiled else ()
+    table = plain_table("agent", "method", "done", "with itself", *columns, unbroken=("method", "with itself", "seats"))
     for agent in agents:
         method = agent.method + (f" {agent.configuration}" if agent.configuration else "")
         returns = interval_text(Estimate(agent.self_play.mean, agent.self_play.low, agent.self_play.high), 0)
