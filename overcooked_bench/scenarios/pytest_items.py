@@ -91,9 +91,15 @@ class ScenarioItem(_Tested):
     def runtest(self) -> None:
         """Plays it, together with what shares its kitchen, unless that has been done."""
         from overcooked_bench.scenarios.explaining import explain, headline
+        from overcooked_bench.scenarios.results import faulty
 
-        result = self.bench.result(self.entry, [i.entry for i in self.session.items if isinstance(i, ScenarioItem)])
-        self.scenario_record = {**result.to_dict(), "nodeid": self.nodeid}
+        others = [item.entry for item in self.session.items if isinstance(item, ScenarioItem)]
+        try:
+            result = self.bench.result(self.entry, others)
+        except TOLD as error:
+            self.scenario_record = faulty(self.entry, str(error)).to_dict()
+            raise
+        self.scenario_record = result.to_dict()
         self.user_properties += _properties(result)
         if not result.passed:
             told = explain(result, self.bench.agent, width=WIDTH, **self.bench.replay_settings)

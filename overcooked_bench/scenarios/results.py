@@ -92,7 +92,7 @@ class ItemResult:
         budget: Steps that A had; of a pair, the greatest.
         steps: T*, where the lock file knows it; of a pair, the greatest.
         failure: The first run that failed.
-        reason: Why it was not attempted.
+        reason: Why it was not attempted, or could not be played to its end.
     """
 
     item: Item
@@ -151,6 +151,11 @@ class ItemResult:
                 "actions": [list(joint) for joint in failure.actions],
             },
         }
+
+
+def faulty(item: Item, reason: str) -> ItemResult:
+    """Gives the result of an item that could not be played to its end: failed."""
+    return ItemResult(item, "failed", 0, 0, False, False, 0, None, reason=reason)
 
 
 class Tally(NamedTuple):
