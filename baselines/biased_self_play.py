@@ -32,7 +32,7 @@ class Config(Settings):
         *("dish_pickup", "dish_drop", "soup_pickup", "soup_delivery"),
     )
     """Events that a chef may be paid for, by the names of the reference kitchen."""
-    bias_weights: tuple[float, ...] = (-3.0, 0.0, 0.5)
+    bias_weights: tuple[float, ...] = (-1.0, 0.0, 0.5)
     """What an event may pay, in points; each event's weight is drawn from these, uniformly, by the run's seed."""
 
     def __post_init__(self) -> None:

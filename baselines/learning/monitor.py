@@ -103,7 +103,7 @@ class Monitor(BaseCallback):
             save_checkpoint(self._checkpoint, self.model, self._config)  # type: ignore[arg-type]
             self._saved_at = done
         self._check(done)
-        self._snap(done)
+        self.snap(done)
         self._env.set_shaping(self._settings.shaping_at(done))
         self.model.ent_coef = self._settings.entropy_at(done)  # type: ignore[attr-defined]
         self._tell(done)
@@ -139,7 +139,7 @@ class Monitor(BaseCallback):
             self.diverged = {"joint_steps": done, "soups": soups}
             self._console.print(f"{soups:.1f} soups an episode after {done:,} steps; begins anew with another seed")
 
-    def _snap(self, done: int) -> None:
+    def snap(self, done: int) -> None:
         """Saves the policy where a share of the steps has passed; a run that goes on finds the same policy there."""
         for share in self._settings.snapshots:
             stem = self._snapshots / snapshot_name(share)

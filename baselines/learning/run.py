@@ -158,6 +158,7 @@ def run(
     if monitor.stopped:
         return None
     save_checkpoint(checkpoint, model, config)
+    monitor.snap(settings.steps)  # shares that no rollout began after are the final policy's
     files = freeze(output / POLICY, model, settings)
     returns = returns_with_itself(files, settings)
     outcome = Outcome(files, returns, monitor.joint_steps(model), seconds, _snapshots(output, settings), len(given_up))
