@@ -10,11 +10,15 @@ from xml.etree import ElementTree
 import hypothesis  # noqa: F401
 import pytest
 
-from overcooked_bench.agents import catalogue  # noqa: F401  an inner run forgets what it was the first to import
+from overcooked_bench.agents import catalogue  # noqa: F401
 from overcooked_bench.cli import main
 from overcooked_bench.scenarios import CATEGORIES, explaining, fuzzing, pytest_bench, pytest_summary  # noqa: F401
+from overcooked_bench.scenarios.items import items
 from overcooked_bench.scenarios.results import SCHEMA
-from tests.scenarios.writing import POT, YIELD, edited
+from overcooked_bench.scenarios.runner import run_items
+from overcooked_bench.scenarios.solver import solve
+from tests.scenarios.players import player
+from tests.scenarios.writing import POT, YIELD, edited, scenario
 
 FAILED, USAGE = 1, 4
 PLAYER = """
@@ -40,6 +44,13 @@ def half(layout, training_seed):
     player.chance = 0.5
     return player
 """
+
+
+@pytest.fixture(scope="module", autouse=True)
+def loaded():
+    """An inner run forgets all modules that it was the first to import, and numba cannot be loaded twice."""
+    explaining.explain(run_items(player(0.0), items([scenario(POT)]))[0], "player")
+    solve(scenario(POT).seated(0), 3)
 
 
 @pytest.fixture
@@ -276,6 +287,9 @@ def test_a_module_binds_scenarios_and_a_pair_is_one_item(kitchens):
 
 @pytest.mark.slow
 def test_an_agent_that_does_not_know_a_kitchen_has_not_attempted_it(kitchens):
+    from overcooked_bench.agents import neural
+
+    assert neural, "loaded before the inner run, as all that cannot be loaded twice"
     done = run(kitchens, "--agent", "dev-v0/cramped_room/sp-0", "--mode", "greedy", "--repeats", "2", "-k", "seat0")
     done.stdout.fnmatch_lines(
         [
