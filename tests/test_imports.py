@@ -26,7 +26,7 @@ def run(code: str) -> str:
 
 
 COMMANDS = {"import": IMPORT, "help": HELP} | {
-    c: HELP.replace("'--help'", f"'{c}', '--help'") for c in ("score", "list")
+    c: HELP.replace("'--help'", f"'{c}', '--help'") for c in ("score", "list", "scenarios")
 }
 
 

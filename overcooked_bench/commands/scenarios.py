@@ -9,8 +9,12 @@ from overcooked_bench.commands.common import ProgressBar, add_command, console, 
 from overcooked_bench.scenarios import CATEGORIES
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from overcooked_bench.scenarios.gates import GateReport
     from overcooked_bench.scenarios.items import Item
     from overcooked_bench.scenarios.results import SuiteResult
+    from overcooked_bench.scenarios.scenario import Scenario
 
 _SELECT = "ids or their beginnings, categories, families, tags, patterns, files or folders (default: all that ship)"
 
@@ -25,7 +29,7 @@ def add_scenarios(commands: Any) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     inner = parser.add_subparsers(metavar="COMMAND", required=True)
-    for add in (_add_run, _add_list, _add_show, _add_new):
+    for add in (_add_run, _add_list, _add_show, _add_check, _add_new):
         add(inner)
 
 
@@ -201,6 +205,78 @@ def _show(options: argparse.Namespace) -> int:
         if options.film:
             print("\n" + show_solution(situation, colour=_colour(), width=_width()))
     return 0
+
+
+def _add_check(commands: Any) -> None:
+    parser = add_command(
+        commands,
+        "check",
+        _check,
+        "solve scenarios and put them to the gates of the suite; exit code 1 where one does not stand them",
+        "overcooked-bench scenarios check X01-mine.scenario.yaml --film",
+    )
+    _add_select(parser, "+")
+    parser.add_argument("--film", action="store_true", help="show a shortest solution, too")
+    parser.add_argument("--lock", action="store_true", help="write the solutions beside the files: no search next time")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def _check(options: argparse.Namespace) -> int:
+    import json
+
+    from overcooked_bench.scenarios.gates import check_all
+    from overcooked_bench.scenarios.items import load_scenarios
+    from overcooked_bench.scenarios.showing import show_solution
+
+    chosen = load_scenarios(options.select)
+    with ProgressBar("compiling and loading") as tell:
+        reports = check_all(chosen, on_progress=lambda done, of: tell("scenarios", done, of))
+    if options.json:
+        print(json.dumps([_report_json(report) for report in reports], indent=2))
+    for report in reports if not options.json else ():
+        scenario = report.scenario
+        print(f"{scenario.id}: mergeable: {'yes' if report.mergeable else 'no'}")
+        for word, texts in (("wrong", report.faults), ("note", report.notes)):
+            for text in texts:
+                print(f"  {word}: {text}")
+        if report.entry is None:
+            continue
+        players = ", ".join(f"{name} {passed}" for name, passed in report.players.items())
+        print(f"  the shortest solution takes {report.steps} steps, an agent has {report.budget}")
+        print(f"  random play passes {report.random:.1%} of its runs at most")
+        print("  of the 4 situations (both seats, plain and mirrored) are passed by")
+        print(f"  doing nothing {report.stay}, {players}, a planner who knows B's past alone {report.honest}")
+        if options.film:
+            print(f"\n{show_solution(scenario.seated(0), colour=_colour(), width=_width())}\n")
+    if options.lock:
+        for file in _write_locks([report.scenario for report in reports if report.entry]):
+            print(f"{file}  the solutions", file=sys.stderr)
+    return 0 if all(report.mergeable for report in reports) else 1
+
+
+def _report_json(report: "GateReport") -> dict[str, Any]:
+    return {
+        "id": report.scenario.id,
+        "mergeable": report.mergeable,
+        "faults": list(report.faults),
+        "notes": list(report.notes),
+        "shortest": report.steps,
+        "budget": report.budget,
+        "random": report.random,
+        "stay": report.stay,
+        "players": dict(report.players),
+        "honest": report.honest,
+    }
+
+
+def _write_locks(scenarios: "list[Scenario]") -> "list[Path]":
+    from overcooked_bench.scenarios.items import read_files
+    from overcooked_bench.scenarios.lock import lock_path, write_lock
+
+    written = sorted({lock_path(scenario) for scenario in scenarios})
+    for file in written:
+        write_lock(file, read_files([file.parent]))
+    return written
 
 
 def _add_new(commands: Any) -> None:

@@ -17,7 +17,7 @@ def headline(result: ItemResult) -> str:
     if result.status == "not attempted":
         return f"not attempted: {result.reason}"
     if result.deterministic:
-        return f"{result.status}; the agent always acts alike, and one run is exact"
+        return f"{'passes' if result.passed else 'fails'} every run, as the agent always acts alike"
     which = " in the worse half" if result.item.is_pair else ""
     return f"{result.passes} of {result.runs} runs passed{which}: {result.rate}; {PASS_RATE} is needed"
 
