@@ -6,7 +6,7 @@ at the round's start; then all pairs play.
 """
 
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -111,18 +111,18 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
     history: list[dict[str, Any]] = (read_json(output / ROUNDS) or []) if resume else []
     parents = _first_agents(config, output, seed)
     hyper = [{name: getattr(config, name) for name in MUTABLE} for _ in range(config.agents)]
-    seconds = 0.0
+    legs: list[Outcome] = []
     scores = np.zeros((config.agents, config.agents))
     for number in range(config.rounds):
         folder = output / f"round-{number}"
-        legs = [
-            _learn(config, number, k, hyper[k], parents, folder / f"agent-{k}", part_of(seed, f"{number} {k}"), every)
-            for k in range(config.agents)
-        ]
-        if any(leg is None for leg in legs):
-            return None
-        outcomes = [leg for leg in legs if leg is not None]
-        seconds += sum(leg.seconds for leg in outcomes)
+        outcomes = []
+        for k in range(config.agents):
+            place, own = folder / f"agent-{k}", part_of(seed, f"{number} {k}")
+            leg = _learn(config, number, k, hyper[k], parents, place, own, every)
+            if leg is None:
+                return None
+            outcomes.append(leg)
+        legs += outcomes
         if number == len(history):
             measured = pairwise([leg.files for leg in outcomes], config)
             source, hyper_next = exploit(measured, hyper, config, part_of(seed, f"{number} replaced"))
@@ -131,14 +131,12 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
         scores, hyper = np.asarray(history[number]["pairs"]), history[number]["hyperparameters"]
         parents = [folder / f"agent-{source}" for source in history[number]["source"]]
     best = int(scores.mean(1).argmax())
-    files = outcomes[best].files
-    for ours, theirs in zip(policy_files(output / POLICY), files, strict=True):
+    for ours, theirs in zip(policy_files(output / POLICY), outcomes[best].files, strict=True):
         ours.write_bytes(theirs.read_bytes())
     final = policy_files(output / POLICY)
     others = loaded([leg.files for k, leg in enumerate(outcomes) if k != best])
-    steps = sum(leg.steps for leg in outcomes) * config.rounds
-    outcome = Outcome(final, returns_with_itself(final, config), steps, seconds)
-    return replace(outcome, with_partners=returns_with(final, others, config, max(1, 100 // len(others))))
+    with_partners = returns_with(final, others, config, max(1, 100 // len(others)))
+    return Outcome(final, returns_with_itself(final, config), 0, 0.0, with_partners=with_partners, parts=tuple(legs))
 
 
 def pairwise(files: list[PolicyFiles], config: Config) -> NDArray[np.float64]:

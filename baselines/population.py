@@ -107,11 +107,13 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
         return None
     chosen = _choose(config, [one.files.weights for one in candidates], development, output)
     members = [loaded([candidates[i].files])[0] for i in chosen]
+    grown: list[Outcome] = []
     for k in range(config.agents):
         outcome = _against(members, config, output / f"agent-{k}", part_of(seed, f"agent {k}"), every)
         if outcome is None:
             return None
         members += loaded([outcome.files])
+        grown.append(outcome)
     longer = replace(
         config,
         steps=round(config.final_factor * config.steps),
@@ -129,7 +131,12 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
     for ours, theirs in zip(policy_files(output / POLICY), finals[0].files, strict=True):
         ours.write_bytes(theirs.read_bytes())
     with_partners = returns_with(finals[0].files, members, config, max(1, 50 // len(members)))
-    return replace(finals[0], files=policy_files(output / POLICY), with_partners=with_partners)
+    return replace(
+        finals[0],
+        files=policy_files(output / POLICY),
+        with_partners=with_partners,
+        parts=(*candidates, *grown, finals[1]),
+    )
 
 
 def choose(own: Sequence[float], vectors: NDArray[np.float64], count: int) -> tuple[int, ...]:

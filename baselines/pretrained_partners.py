@@ -53,12 +53,12 @@ def self_play_config(config: PartnerSettings, steps: int, snapshots: tuple[float
     return SelfPlay(**shared | {"steps": steps, "rollout": rollout, "snapshots": snapshots})
 
 
-def population(config: Config, output: Path, seed: int, every: int) -> list[Policy] | None:
-    """Gives the partners, trained first where they have to be; None where that was interrupted."""
+def population(config: Config, output: Path, seed: int, every: int) -> tuple[list[Policy], tuple[Outcome, ...]] | None:
+    """Gives the partners and the runs they were trained in, now if need be; None where that was interrupted."""
     if config.pool:
         names = partner_names((config.pool,), config)
         agents = load_partners(names, config)
-        return [policy for agent in agents if isinstance(agent, NeuralAgent) for policy in agent.policies]
+        return [policy for agent in agents if isinstance(agent, NeuralAgent) for policy in agent.policies], ()
     own = self_play_config(config, config.agent_steps, MOMENTS if config.checkpoints else ())
     outcomes = self_play_agents([own] * config.agents, output / "partners", seed, every)
     if outcomes is None:
@@ -67,14 +67,15 @@ def population(config: Config, output: Path, seed: int, every: int) -> list[Poli
     if config.checkpoints:
         files += [outcome.snapshots[0.0] for outcome in outcomes]
         files += [half_trained(outcome, own)[1] for outcome in outcomes]
-    return loaded(files)
+    return loaded(files), tuple(outcomes)
 
 
 def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:
     """Trains, freezes and evaluates one policy; see `run` for arguments, result and errors."""
-    partners = population(config, output, seed, every)
-    if partners is None:
+    found = population(config, output, seed, every)
+    if found is None:
         return None
+    partners, parts = found
 
     def make(seed: int) -> Learner:
         try:
@@ -87,7 +88,8 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
     outcome = run(config, METHOD, output, seed, make, resume=begun(output), every=every, told=told)
     if outcome is None:
         return None
-    return replace(outcome, with_partners=returns_with(outcome.files, partners, config, max(1, 100 // len(partners))))
+    with_partners = returns_with(outcome.files, partners, config, max(1, 100 // len(partners)))
+    return replace(outcome, with_partners=with_partners, parts=parts)
 
 
 def main(arguments: list[str]) -> int:

@@ -18,7 +18,8 @@ from overcooked_bench.kitchen.layout import Layout, LayoutError
 
 from ..presets import PresetError, checked, config_names, named_settings
 from .checkpoint import CheckpointError
-from .run import Outcome, UnfitError
+from .freeze import Returns
+from .run import SUMMARY, Outcome, UnfitError, write_json
 from .seeds import USER, derive_seed
 from .settings import Settings
 
@@ -84,13 +85,40 @@ def main_of(method: str, kind: type[AnySettings], train: Callable[..., Outcome |
     if outcome is None:
         print(f"stopped, and saved in {output}; the same command with --resume goes on from there", file=sys.stderr)
         return _STOPPED
-    mean, low, high = t_interval(outcome.returns)
+    summary = _summary(method, name, settings, layout, outcome)
+    write_json(output / SUMMARY, summary)
+    own = summary["with_itself"]
     print(
-        f"{outcome.files.weights}: return with itself {mean:.1f} "
-        f"[{low:.1f}, {high:.1f}] points over {len(outcome.returns)} episodes, after {outcome.steps:,} joint steps "
-        f"in {outcome.seconds:.0f} s" + (f", {outcome.restarts} restarts" if outcome.restarts else "")
+        f"{outcome.files.weights}: return with itself {own['mean']:.1f} [{own['low']:.1f}, {own['high']:.1f}] points "
+        f"over {own['episodes']} episodes, after {outcome.total_steps:,} joint steps in {outcome.total_seconds:.0f} s"
+        + (f", {outcome.restarts} restarts" if outcome.restarts else "")
     )
+    if theirs := summary["with_partners"]:
+        print(
+            f"with its partners {theirs['mean']:.1f} [{theirs['low']:.1f}, {theirs['high']:.1f}] points over "
+            f"{theirs['episodes']} episodes"
+        )
     return 0
+
+
+def _summary(method: str, name: str, settings: Settings, layout: str, outcome: Outcome) -> dict[str, Any]:
+    def told(returns: Returns | None) -> dict[str, float | None] | None:
+        if returns is None:
+            return None
+        mean, low, high = t_interval(returns)
+        return {"mean": mean, "low": low, "high": high, "episodes": len(returns)}
+
+    return {
+        "method": method,
+        "configuration": name or config_names(method)[0],
+        "layout": layout,
+        "seed": settings.seed,
+        "with_itself": told(outcome.returns),
+        "with_partners": told(outcome.with_partners),
+        "steps": outcome.total_steps,
+        "seconds": round(outcome.total_seconds, 1),
+        "restarts": outcome.restarts,
+    }
 
 
 def _config_name(arguments: list[str]) -> tuple[str, list[str]]:

@@ -29,6 +29,8 @@ RESTARTS: Final = "restarts.json"
 """The attempts that the divergence check gave up, in a run's folder."""
 RESULT: Final = "result.json"
 """What a finished run brought, in its folder."""
+SUMMARY: Final = "summary.json"
+"""What a finished command brought, in its folder: points, steps and wall-clock of all its parts."""
 POLICY: Final = "policy"
 SNAPSHOTS: Final = "snapshots"
 
@@ -45,6 +47,7 @@ class Outcome:
         snapshots: Policies saved on the way, by share of the steps.
         restarts: How often the divergence check began anew.
         with_partners: (E,) the same with the partners of the training, both seats; None where it had none of its own.
+        parts: Outcomes of the other runs that this one consists of.
     """
 
     files: PolicyFiles
@@ -54,6 +57,17 @@ class Outcome:
     snapshots: dict[float, PolicyFiles] = field(default_factory=dict)
     restarts: int = 0
     with_partners: Returns | None = None
+    parts: tuple["Outcome", ...] = ()
+
+    @property
+    def total_steps(self) -> int:
+        """Joint steps of this run and its parts."""
+        return self.steps + sum(part.total_steps for part in self.parts)
+
+    @property
+    def total_seconds(self) -> float:
+        """Wall-clock of training of this run and its parts, as if one after the other."""
+        return self.seconds + sum(part.total_seconds for part in self.parts)
 
 
 class UnfitError(ValueError):

@@ -34,7 +34,7 @@ def run(tmp_path_factory):
 def test_a_run_leaves_its_configuration_checkpoint_logs_and_policy(run):
     folder, _ = run
     assert sorted(path.name for path in folder.iterdir()) == [
-        *("checkpoint.pt", "config.json", "logs", "policy.json", "policy.safetensors")
+        *("checkpoint.pt", "config.json", "logs", "policy.json", "policy.safetensors", "result.json", "summary.json")
     ]
     config = json.loads((folder / "config.json").read_text())
     seed = derive_seed(USER, "cramped_room", "self-play", 0)

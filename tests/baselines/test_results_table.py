@@ -1,0 +1,14 @@
+from overcooked_bench.baselines.results_table import main
+from overcooked_bench.cli import main as command
+from tests.baselines.tiny import STEPS, tiny_arguments
+
+
+def test_finished_runs_stand_in_one_table(tmp_path, capsys):
+    assert command(["train", "self-play", *tiny_arguments("--output", str(tmp_path / "run"))]) == 0
+    capsys.readouterr()
+    assert main([str(tmp_path / "run")]) == 0
+    *_, line = capsys.readouterr().out.splitlines()
+    assert line.startswith("| cramped_room | self-play | fast | 0 | ")
+    assert line.endswith(f" | - | {STEPS / 1e6:.1f} M | 0.0 min |")
+    assert main([str(tmp_path)]) == 2
+    assert "no finished run" in capsys.readouterr().err
