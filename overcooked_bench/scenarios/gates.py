@@ -86,6 +86,7 @@ class GateReport:
         stay: Situations of the four that are passed by doing nothing.
         players: For each of `PLAYERS` the situations of the four that it passes.
         honest: Situations of the four that the honest planner passes.
+        notes: What might be better, and does not keep it from being merged.
     """
 
     scenario: Scenario
@@ -96,6 +97,7 @@ class GateReport:
     stay: int = 0
     players: Mapping[str, int] = field(default_factory=dict)
     honest: int = 0
+    notes: tuple[str, ...] = ()
 
     @property
     def mergeable(self) -> bool:
@@ -114,12 +116,8 @@ class GateReport:
 
 
 def check(scenario: Scenario) -> GateReport:
-    """Puts a scenario to the gates; of a pair, to those that do not need its other half.
-
-    Args:
-        scenario: With a lock file beside it or without.
-    """
-    return _alone(scenario, RANDOM_RUNS)
+    """Puts one scenario to the gates, with a lock file beside it or without; `check_all` is for pairs."""
+    return check_all([scenario])[0]
 
 
 def check_all(
@@ -145,8 +143,11 @@ def check_all(
     groups: dict[str, list[GateReport]] = {}
     for report in reports:
         groups.setdefault(report.scenario.pair or f"{report.scenario.id} alone", []).append(report)
-    found = {report: _faults_of_group(group) for group in groups.values() for report in group}
-    return [replace(report, faults=report.faults + found[report]) for report in reports]
+    found: list[GateReport] = []
+    for group in groups.values():
+        faults, notes = _of_group(group)
+        found += [replace(report, faults=report.faults + faults, notes=notes) for report in group]
+    return sorted(found, key=lambda report: wanted.index(report.scenario))
 
 
 def _alone(scenario: Scenario, random_runs: int) -> GateReport:
@@ -191,12 +192,11 @@ def _rates(make: AgentFactory, played: Iterable[Item], repeats: int) -> list[flo
     return [result.rate.value for result in run_items(make, list(played), repeats)]
 
 
-def _faults_of_group(group: Sequence[GateReport]) -> tuple[str, ...]:
-    """Says what is wrong with a scenario among others: alone, or with the other half of its pair."""
-    first = group[0].scenario
+def _of_group(group: Sequence[GateReport]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Gives faults and notes of a scenario that stands alone, or of a pair."""
+    first, faults, notes = group[0].scenario, [], []
     if any(report.entry is None for report in group):
-        return ()
-    faults: list[str] = []
+        return (), ()
     if first.pair and len(group) != HALVES:
         faults.append(f"the pair {first.pair} has {len(group)} of its two halves here")
     elif first.pair:
@@ -206,7 +206,9 @@ def _faults_of_group(group: Sequence[GateReport]) -> tuple[str, ...]:
     passes = {name: all(report.players[name] == SITUATIONS for report in group) for name in PLAYERS}
     if all(passes.values()):
         faults.append(f"{', '.join(PLAYERS)} all pass; ask for something that tells agents apart")
-    if all(passes[name] for name in _COOKS) != (SANITY in first.tags):
-        told = "pass, so it gets" if SANITY not in first.tags else "do not both pass, so it does not get"
-        faults.append(f"both rigid cooks {told} the tag {SANITY}")
-    return tuple(faults)
+    rigid = all(passes[name] for name in _COOKS)
+    if rigid and SANITY not in first.tags:
+        notes.append(f"both rigid cooks pass, so it tells little: `tags: [{SANITY}]`, or ask for more")
+    if not rigid and SANITY in first.tags:
+        faults.append(f"the tag {SANITY} is for what both rigid cooks pass, and they do not; take it out")
+    return tuple(faults), tuple(notes)

@@ -1,0 +1,76 @@
+"""The scenarios that ship: each stands the gates, and together they are what the README says they are."""
+
+import re
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from overcooked_bench.agents.scripted import make_scripted
+from overcooked_bench.scenarios.gates import MEAN_RANDOM, check_all
+from overcooked_bench.scenarios.items import load_items, load_scenarios, shipped_folder
+from overcooked_bench.scenarios.lock import LOCK_FILE, lock_text, read_lock, stale, unused
+from overcooked_bench.scenarios.runner import run_items
+from overcooked_bench.scenarios.solver import search_for
+
+TABLE = Path(__file__).parents[2] / "docs" / "scenarios.md"
+
+SCENARIOS = load_scenarios()
+GROUPS = {scenario.pair or scenario.id: [] for scenario in SCENARIOS}
+for each in SCENARIOS:
+    GROUPS[each.pair or each.id].append(each)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("group", GROUPS.values(), ids=GROUPS.keys())
+def test_scenarios_stand_the_gates(group):
+    for report in check_all(group):
+        assert report.faults == report.notes == (), report.scenario.id
+
+
+def test_fifty_scenarios_and_pairs():
+    chosen = load_items()
+    single = [item for item in chosen if not item.is_pair]
+    assert (len(single), len({item.scenarios[0].id for item in single})) == (200, 50)
+    pairs = Counter(item.category == "memory" for item in chosen if item.is_pair)
+    assert pairs[True] >= 4
+    assert pairs[False] >= 4
+    assert {item.category for item in chosen} == {"state", "partner", "memory", "convention", "horizon"}
+    assert not [item.id for item in single if item.category == "memory"]
+    assert {item.family for item in chosen if item.is_pair and item.category != "memory"} == {"invariance"}
+
+
+def test_the_lock_file_knows_them_all():
+    path = shipped_folder() / LOCK_FILE
+    lock = read_lock(path)
+    assert (stale(lock, SCENARIOS), unused(lock, SCENARIOS)) == ([], [])
+    assert path.read_text("utf-8") == lock_text(lock)
+
+
+@pytest.mark.slow
+def test_random_play_passes_little():
+    results = run_items(lambda layout, _: make_scripted("random", layout), load_items(), 30)
+    assert sum(result.passes / result.runs for result in results) / len(results) <= MEAN_RANDOM
+
+
+def test_only_pairs_ask_for_memory():
+    """A shortest solution does the same wherever the kitchen looks the same; P16 is passed by pushing on, too."""
+    lock = read_lock(shipped_folder() / LOCK_FILE)
+    for scenario in SCENARIOS:
+        if scenario.pair or scenario.id == "P16-blocker-leaves-late":
+            continue
+        witness = lock.scenarios[scenario.id].witnesses["seat0"]
+        situation, done = scenario.seated(0), {}
+        search = search_for(situation)
+        row, counts = search.row(situation.state), search.no_counts()
+        for t, action in enumerate(witness.own):
+            assert done.setdefault(row.tobytes(), action) == action, scenario.id
+            row, counts = search.step(row, counts, (action, search.answer(row, situation.behaviour, t)))
+
+
+def test_the_table_in_the_docs_is_theirs():
+    told = re.findall(r"^\| ([A-Z]\d\d-\S+) \| (\d+) \| (\d+) \|", TABLE.read_text("utf-8"), re.MULTILINE)
+    lock = read_lock(shipped_folder() / LOCK_FILE)
+    assert {name: (int(steps), int(budget)) for name, steps, budget in told} == {
+        name: (entry.steps, entry.budget) for name, entry in lock.scenarios.items()
+    }
