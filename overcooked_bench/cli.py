@@ -7,12 +7,15 @@ import argparse
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from overcooked_bench.commands.common import ProgressBar, add_command, names
 from overcooked_bench.commands.common import console as make_console
 from overcooked_bench.commands.pool import add_pool
 from overcooked_bench.commands.scenarios import add_scenarios
+
+if TYPE_CHECKING:
+    from overcooked_bench.evaluation.scoring import Scored
 
 _EPILOG = "Each command has its own --help with an example."
 _METHODS = (
@@ -115,19 +118,25 @@ def _add_score(commands: Any) -> None:
     parser.add_argument("--workers", metavar="N", type=int, help="processes (default: the usable cores, four at most)")
     parser.add_argument("--engine", default="local", metavar="local|dask|ray", help="where the processes run")
     parser.add_argument("--seed", metavar="N", type=int, default=0, help="other start states; compare scores of seed 0")
+    parser.add_argument(
+        "--scenarios",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="play the cooperation scenarios, too, which takes seconds (default: yes)",
+    )
     parser.add_argument("--json", action="store_true", help="print score.json in place of the table")
 
 
 def _score(options: argparse.Namespace) -> int:
-    from pathlib import Path
-
+    from overcooked_bench.commands.score_card import play_scenarios
     from overcooked_bench.evaluation import scoring
     from overcooked_bench.evaluation.engines import default_workers
     from overcooked_bench.evaluation.protocol import NEWEST, load_protocol
+    from overcooked_bench.scenarios.errors import ScenarioFault
 
-    protocol = load_protocol(options.protocol or NEWEST)
+    protocol, fault = load_protocol(options.protocol or NEWEST), None
     with ProgressBar("compiling and loading") as tell:
-        scores, folder = scoring.score(
+        scored = scoring.score(
             options.agent,
             protocol=protocol,
             pool=options.pool,
@@ -138,11 +147,27 @@ def _score(options: argparse.Namespace) -> int:
             seed=options.seed,
             on_progress=lambda at: tell(at.layout, at.blocks, at.of),
         )
+        if options.scenarios:
+            try:
+                card = play_scenarios(options.agent, scored, options.layouts, on_progress=tell)
+                scored = scoring.with_scenarios(scored, card) if card else scored
+            except ScenarioFault as error:  # the score stands
+                fault = error
     if options.json:
-        print((folder / scoring.SCORES_FILE).read_text("utf-8"), end="")
-        return 0
+        print((scored.folder / scoring.SCORES_FILE).read_text("utf-8"), end="")
+    else:
+        _print_score(scored)
+    if fault:
+        raise fault
+    return 0
+
+
+def _print_score(scored: "Scored") -> None:
+    from overcooked_bench.commands.score_card import SCENARIOS_FILE
+    from overcooked_bench.evaluation import scoring
     from overcooked_bench.evaluation.tables import score_tables
 
+    scores, folder = scored
     console = make_console()
     console.print(score_tables(scores))
     for file, what in (
@@ -150,10 +175,11 @@ def _score(options: argparse.Namespace) -> int:
         (scoring.SCORES_FILE, "the numbers"),
         (scoring.CURVE_FILE, "the ordered curve"),
         (scoring.EPISODES_FILE, "every episode"),
+        (SCENARIOS_FILE, "every scenario"),
     ):
-        console.print(f"{Path(folder) / file}  {what}", highlight=False, style="dim")
+        if (folder / file).is_file() and (file != SCENARIOS_FILE or scores.scenarios):
+            console.print(f"{folder / file}  {what}", highlight=False, style="dim")
     console.print(f"watch the worst one: overcooked-bench replay {folder} --worst", highlight=False, style="dim")
-    return 0
 
 
 def _add_replay(commands: Any) -> None:

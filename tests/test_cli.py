@@ -1,6 +1,7 @@
 """The program as people run it: real processes, small games."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -35,16 +36,21 @@ def test_score_prints_a_table_and_writes_a_folder(scored, home):
     assert (scored.returncode, scored.stderr) == (0, "")
     for words in ("cramped_room", "worst partner", "floor", "nothing about retraining", "scores/mine-tiny/report.html"):
         assert words in scored.stdout
+    for category in ("state", "partner", "memory", "convention", "horizon", "total"):
+        assert re.search(rf"\n{category} +\d+ +\d+ ", scored.stdout)
     assert "\x1b" not in scored.stdout
     written = {file.name for file in (home / "scores" / "mine-tiny").iterdir()}
-    assert written == {"score.json", "episodes.sqlite", "report.html", "curve.png"}
+    assert written == {"score.json", "episodes.sqlite", "report.html", "curve.png", "scenarios.json"}
 
 
 @pytest.mark.slow
 def test_score_again_as_json(scored, home):
-    again = run("score", "mine.py", "--protocol", "tiny.yaml", "--workers", "1", "--json", folder=home)
+    again = run(
+        "score", "mine.py", "--protocol", "tiny.yaml", "--workers", "1", "--json", "--no-scenarios", folder=home
+    )
     assert again.returncode == 0
-    assert json.loads(again.stdout)["agent"]["name"] == "mine"
+    told = json.loads(again.stdout)
+    assert (told["agent"]["name"], told["scenarios"]) == ("mine", None)
 
 
 @pytest.mark.slow

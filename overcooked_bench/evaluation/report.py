@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Final
 
 from overcooked_bench.evaluation.plots import draw_curve
-from overcooked_bench.evaluation.scores import Cell, Estimate, LayoutScore, Scores
-from overcooked_bench.evaluation.tables import interval_text, notes
+from overcooked_bench.evaluation.scores import CategoryScore, Cell, Estimate, LayoutScore, ScenarioScore, Scores
+from overcooked_bench.evaluation.tables import count_text, interval_text, notes
 
 MOST_WORST: Final = 10
 """Pairs that are listed as the worst."""
@@ -45,6 +45,7 @@ def write_report(scores: Scores, file: str | Path) -> None:
         *_section("Scores", _score_table(scores), *(f'<p class="note">{escape(note)}</p>' for note in notes(scores))),
         *_section("Ordered curve", f"<figure>{_curve(scores)}</figure>", _curve_note(scores)),
         *_section("Worst pairs", _worst_table(scores, folder)),
+        *_section("Cooperation scenarios", _scenario_table(scores.scenarios) if scores.scenarios else ""),
         *_section("Every partner", *(_partner_table(layout, scores) for layout in scores.layouts)),
         *_section("What was played", _facts(scores)),
     ]
@@ -117,6 +118,16 @@ def _worst_table(scores: Scores, folder: Path) -> str:
     return _table(["layout", "partner", "mean [95 %]", "watch its worst episode"], rows) if rows else ""
 
 
+def _scenario_table(scenarios: ScenarioScore) -> str:
+    def row(one: CategoryScore) -> list[str]:
+        passed = f"{count_text(one.passed)} of {one.items}"
+        missing = count_text(one.not_attempted) if one.not_attempted else "-"
+        return [escape(one.category), passed, _number(one.share, 2), str(one.families), missing]
+
+    head = ["category", "passed", "mean of families [95 %]", "families", "not attempted"]
+    return _table(head, map(row, scenarios.categories), row(scenarios.total))
+
+
 def _replay_command(folder: Path, layout: str, cell: Cell) -> str:
     words = ["overcooked-bench", "replay", str(folder), "--layout", layout, "--partner", cell.partner, "--worst"]
     return shlex.join(words)
@@ -157,7 +168,7 @@ def _curve_note(scores: Scores) -> str:
 
 
 def _facts(scores: Scores) -> str:
-    s = scores.settings
+    s, suite = scores.settings, scores.scenarios and scores.scenarios.suite
     facts = {
         "agent": f"{scores.agent.name}, SHA-256 {scores.agent.sha256}",
         "protocol": f"{scores.protocol.name}, version {s.version}, SHA-256 {scores.protocol.sha256}",
@@ -166,6 +177,7 @@ def _facts(scores: Scores) -> str:
         "frozen policies": f"mode {s.mode}",
         "seed": str(scores.seed),
         "run": ", ".join(f"{key} {value}" for key, value in scores.run.items() if not isinstance(value, dict)),
+        "scenarios": f"{suite.name}, SHA-256 {suite.sha256}" if suite else "not played",
         "versions": ", ".join(f"{key} {value}" for key, value in scores.run.get("versions", {}).items()),
     }
     return "<dl>" + "".join(f"<dt>{escape(k)}</dt><dd>{escape(v)}</dd>" for k, v in facts.items()) + "</dl>"
@@ -175,6 +187,6 @@ def _name(cell: Cell) -> str:
     return escape(cell.partner + "*" * cell.is_ego)
 
 
-def _number(estimate: Estimate) -> str:
-    value, _, interval = interval_text(estimate).partition(" ")
+def _number(estimate: Estimate, digits: int = 1) -> str:
+    value, _, interval = interval_text(estimate, digits).partition(" ")
     return f"{value} <small>{interval}</small>" if interval else value

@@ -138,6 +138,43 @@ class Source(msgspec.Struct, frozen=True):
     sha256: str
 
 
+class CategoryScore(msgspec.Struct, frozen=True):
+    """The scenarios of a category; counts are means over training seeds.
+
+    Attributes:
+        category: Its name.
+        items: Scenarios from both seats in both mirrors; a pair counts once.
+        passed: Of them.
+        not_attempted: In kitchens that the agent says it cannot play; failed.
+        families: Families of scenarios.
+        share: Mean over families of the share passed; the interval is Wilson's for so many families, or with several
+            training seeds t over them.
+    """
+
+    category: str
+    items: int
+    passed: float
+    not_attempted: float
+    families: int
+    share: Estimate
+
+
+class ScenarioScore(msgspec.Struct, frozen=True):
+    """How the agent did in the cooperation scenarios.
+
+    Attributes:
+        suite: What was played.
+        repeats: Runs of each situation.
+        categories: One by one.
+        total: All of them together, as the category "total".
+    """
+
+    suite: Source
+    repeats: int
+    categories: tuple[CategoryScore, ...]
+    total: CategoryScore
+
+
 class Scores(msgspec.Struct, frozen=True):
     """A score.json.
 
@@ -155,6 +192,7 @@ class Scores(msgspec.Struct, frozen=True):
         layouts: In the protocol's order.
         not_attempted: Layouts that the agent says it cannot play.
         run: Times, versions and everything else that may differ between two runs of the same score.
+        scenarios: The cooperation scenarios; null where they were not played.
     """
 
     schema: int
@@ -169,6 +207,7 @@ class Scores(msgspec.Struct, frozen=True):
     layouts: tuple[LayoutScore, ...]
     not_attempted: tuple[str, ...]
     run: dict[str, Any]
+    scenarios: ScenarioScore | None = None
 
     def write(self, file: str | Path) -> None:
         """Writes score.json, all or nothing."""

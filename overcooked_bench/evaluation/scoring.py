@@ -19,7 +19,7 @@ from overcooked_bench.evaluation.plots import draw_curve
 from overcooked_bench.evaluation.protocol import NEWEST, Protocol, ProtocolError, load_protocol
 from overcooked_bench.evaluation.report import write_report
 from overcooked_bench.evaluation.roster import check_pool, roster
-from overcooked_bench.evaluation.scores import SCHEMA, Scores, Source
+from overcooked_bench.evaluation.scores import SCHEMA, ScenarioScore, Scores, Source
 from overcooked_bench.evaluation.store import Store
 from overcooked_bench.evaluation.summary import compute_layouts, describe_interval
 from overcooked_bench.kitchen.layout import Layout
@@ -158,9 +158,18 @@ def score(
         run=_run_facts(started, time.monotonic() - clock, workers, engine),
     )
     draw_curve(scores, folder / CURVE_FILE)
-    write_report(scores, folder / REPORT_FILE)
-    scores.write(folder / SCORES_FILE)
-    return Scored(scores, folder)
+    return _write(Scored(scores, folder))
+
+
+def with_scenarios(scored: Scored, scenarios: ScenarioScore) -> Scored:
+    """Adds how the agent did in the cooperation scenarios to a score and its files."""
+    return _write(Scored(msgspec.structs.replace(scored.scores, scenarios=scenarios), scored.folder))
+
+
+def _write(scored: Scored) -> Scored:
+    write_report(scored.scores, scored.folder / REPORT_FILE)
+    scored.scores.write(scored.folder / SCORES_FILE)
+    return scored
 
 
 def default_output(agent: str, protocol: Protocol) -> Path:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from overcooked_bench.evaluation.scores import Cell, Estimate, LayoutScore, Scores
+from overcooked_bench.evaluation.scores import Cell, Estimate, LayoutScore, ScenarioScore, Scores
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -21,6 +21,8 @@ def score_tables(scores: Scores) -> "Group":
     parts: list[Table | Text] = [Text(head, style="bold"), blank]
     if scores.layouts:
         parts += [_layouts(scores), blank, _partners(scores), blank]
+    if scores.scenarios:
+        parts += [_scenarios(scores.scenarios), blank]
     parts += [Text(note, style="dim") for note in notes(scores)]
     return Group(*parts)
 
@@ -47,6 +49,8 @@ def notes(scores: Scores) -> list[str]:
         said.append(f"Adapted (played by its mirror image): {', '.join(adapted)}.")
     if scores.not_attempted:
         said.append(f"Not attempted: {', '.join(scores.not_attempted)}.")
+    if scores.scenarios:
+        said.append("Scenarios: passed from each seat in each mirror; the mean of families counts alike ones as one.")
     if any(cell.is_ego for layout in scores.layouts for cell in layout.cells):
         said.append("* the scored agent itself is among the partners.")
     return said
@@ -87,6 +91,22 @@ def _partners(scores: Scores) -> "Table":
         found = {cell.partner: cell for cell in layout.floors}
         means = [f"{found[name].mean.value:.1f}" for name in floors]
         table.add_row(_name(layout), cell_text(layout.worst), cell_text(layout.best), *means)
+    return table
+
+
+def count_text(count: float) -> str:
+    """Writes a count, or a mean of counts: `12`, `12.5`."""
+    return f"{count:.1f}".removesuffix(".0")
+
+
+def _scenarios(scenarios: ScenarioScore) -> "Table":
+    """Draws what was passed by category."""
+    table = plain_table("scenarios", "passed", "of", "mean of families [95 %]", "not attempted")
+    for one in (*scenarios.categories, scenarios.total):
+        if one is scenarios.total:
+            table.add_section()
+        missing = count_text(one.not_attempted) if one.not_attempted else "-"
+        table.add_row(one.category, count_text(one.passed), str(one.items), interval_text(one.share, 2), missing)
     return table
 
 
