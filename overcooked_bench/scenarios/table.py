@@ -15,6 +15,8 @@ from overcooked_bench.scenarios.gates import MEAN_RANDOM, MOST_RANDOM, PLAYERS, 
 from overcooked_bench.scenarios.items import load_items, load_scenarios
 from overcooked_bench.scenarios.runner import REPEATS, run_items
 
+_COMMAND: Final = "python -m overcooked_bench.scenarios.table"
+
 _COLUMNS: Final = f"""\
 T* is the length of the shortest solution and K the number of steps that an agent has. `random` is the share of its runs
 that uniformly random play passes, in the worst of the four situations (both seats, plain and mirrored): at most
@@ -79,7 +81,7 @@ def shipped_tables(agents: Sequence[str] = ()) -> list[str]:
         for name, make in makers.items()
     }
     return [
-        *("# Scenarios", "", *_COLUMNS.split("\n"), ""),
+        *("# Scenarios", "", f"Printed by `{' '.join([_COMMAND, *agents])}`.", "", *_COLUMNS.split("\n"), ""),
         *gate_table(check_all(load_scenarios())),
         *("", "## Who is told apart", "", *_APART.split("\n"), ""),
         *apart_table(verdicts),
