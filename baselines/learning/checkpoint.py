@@ -27,13 +27,16 @@ class CheckpointError(ValueError):
     """A checkpoint is missing, damaged or of another run."""
 
 
-def save_checkpoint(path: Path, model: AnyLearner, config: dict[str, Any]) -> None:
+def save_checkpoint(
+    path: Path, model: AnyLearner, config: dict[str, Any], memory: dict[str, Any] | None = None
+) -> None:
     """Writes a run's whole state; only between an update and the next rollout.
 
     Args:
         path: The file, replaced in one go.
         model: The learner, with an `OvercookedVecEnv`.
         config: The run's resolved configuration, compared on load.
+        memory: What else the run remembers, as plain values; `load_checkpoint` gives it back.
     """
     env = _env_of(model)
     assert model._last_episode_starts is not None
@@ -56,6 +59,7 @@ def save_checkpoint(path: Path, model: AnyLearner, config: dict[str, Any]) -> No
                 "n_updates": model._n_updates,
                 "numpy": [name, int(position), int(has_gauss), float(gauss)],
                 "episodes": list(model.ep_info_buffer or []),
+                "memory": memory or {},
                 **plain,
             }
         ),
@@ -78,7 +82,7 @@ def load_checkpoint(
     model: AnyLearner,
     config: dict[str, Any],
     before: Callable[[int], None] = lambda joint_steps: None,
-) -> None:
+) -> dict[str, Any]:
     """Brings a freshly made learner to where a checkpoint was written.
 
     Args:
@@ -86,6 +90,9 @@ def load_checkpoint(
         model: The learner, with the same kitchens and partners.
         config: The run's resolved configuration.
         before: Told the joint steps done before the kitchens are restored.
+
+    Returns:
+        The memory that was saved.
 
     Raises:
         CheckpointError: No such file, not readable, or the configuration differs; says in what.
@@ -98,6 +105,7 @@ def load_checkpoint(
         _compare(path, plain["config"], config)
         before(plain["num_timesteps"] // (model.n_envs // _env_of(model).kitchens.num_kitchens))
         _apply(content, plain, model)
+        return dict(plain.get("memory", {}))
     except CheckpointError:
         raise
     except FileNotFoundError:
@@ -155,6 +163,7 @@ def _save_replay(model: DQN, arrays: dict[str, np.ndarray[Any, Any]]) -> dict[st
         "pos": replay.pos,
         "full": replay.full,
         "calls": model._n_calls,
+        "exploration": model.exploration_rate,
         "episode": model._episode_num,
         "actions": model.action_space.np_random.bit_generator.state,
     }
@@ -168,6 +177,7 @@ def _restore_replay(model: DQN, arrays: dict[str, np.ndarray[Any, Any]], plain: 
         getattr(replay, name)[: len(stored)] = stored
     replay.pos, replay.full = plain["pos"], plain["full"]
     model._n_calls, model._episode_num = plain["calls"], plain["episode"]
+    model.exploration_rate = plain["exploration"]
     model.action_space.np_random.bit_generator.state = plain["actions"]
 
 

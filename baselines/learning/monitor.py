@@ -79,6 +79,15 @@ class Monitor(BaseCallback):
         """Joint steps that a learner has done; SB3 counts those of every row."""
         return model.num_timesteps // (model.n_envs // self._settings.num_kitchens)
 
+    def memory(self) -> dict[str, Any]:
+        """Gives what the divergence check depends on, for a checkpoint."""
+        return {"returns": list(self._returns), "unchecked": self._unchecked}
+
+    def remember(self, memory: dict[str, Any]) -> None:
+        """Takes back what `memory` gave when the run was saved."""
+        self._returns.extend(memory.get("returns", ()))
+        self._unchecked = self._unchecked and memory.get("unchecked", True)
+
     def close(self) -> None:
         """Gives Ctrl-C and the terminal back; needed after a run that ended by an exception, harmless after others."""
         self._progress.stop()
@@ -100,7 +109,7 @@ class Monitor(BaseCallback):
         done = self._done
         self.stopped = self._asked
         if self.stopped or done - self._saved_at >= self._every:
-            save_checkpoint(self._checkpoint, self.model, self._config)  # type: ignore[arg-type]
+            save_checkpoint(self._checkpoint, self.model, self._config, self.memory())  # type: ignore[arg-type]
             self._saved_at = done
         self._check(done)
         self.snap(done)

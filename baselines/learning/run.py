@@ -145,13 +145,15 @@ def run(
         model = make(restarted(seed, attempt))
         config = resolved | ({"attempt": attempt} if attempt else {})
         going_on = resume and (checkpoint.exists() or not (output / CONFIG_FILE).exists())
+        memory = {}
         if going_on:  # a run that was killed before its first checkpoint begins anew
-            load_checkpoint(checkpoint, model, config, before)
+            memory = load_checkpoint(checkpoint, model, config, before)
         output.mkdir(parents=True, exist_ok=True)
         write_json(output / CONFIG_FILE, resolved)
         monitor = Monitor(
             config, checkpoint, every, settings, output / SNAPSHOTS, last_attempt=attempt >= settings.restarts
         )
+        monitor.remember(memory)
         model.set_logger(_open_logs(output / "logs", monitor.joint_steps(model), attempt))
         began = time.perf_counter()
         try:
@@ -171,7 +173,7 @@ def run(
             file.unlink()
     if monitor.stopped:
         return None
-    save_checkpoint(checkpoint, model, config)
+    save_checkpoint(checkpoint, model, config, monitor.memory())
     monitor.snap(settings.steps)  # shares that no rollout began after are the final policy's
     files = freeze(output / POLICY, model, settings)
     returns = returns_with_itself(files, settings)

@@ -8,11 +8,14 @@ import sys
 import pytest
 import torch
 
+from overcooked_bench.baselines.best_response import Config as BestResponse
+from overcooked_bench.baselines.learning.algorithms import make_dqn
 from overcooked_bench.baselines.learning.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
 from overcooked_bench.baselines.learning.learner import Learner
+from overcooked_bench.baselines.learning.run import make_env
 from overcooked_bench.baselines.self_play import main, train
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
-from tests.baselines.tiny import SEED, STEPS, UPDATE, learned, same, tiny, tiny_arguments, tiny_learner
+from tests.baselines.tiny import SEED, SETTINGS, STEPS, UPDATE, learned, same, tiny, tiny_arguments, tiny_learner
 
 SIGNAL_AT_STEP = """
 import os, signal, sys
@@ -160,8 +163,9 @@ def test_what_is_loaded_is_what_was_saved(tmp_path, whole_run):
     theirs = torch.load(whole_run[0] / "checkpoint.pt", weights_only=True)
     config = json.loads(theirs["plain"])["config"]
     model = tiny_learner(tiny(), 1)
-    load_checkpoint(whole_run[0] / "checkpoint.pt", model, config)
-    save_checkpoint(tmp_path / "folder" / "again.pt", model, config)
+    memory = load_checkpoint(whole_run[0] / "checkpoint.pt", model, config)
+    assert len(memory["returns"]) == 8  # two episodes of each kitchen
+    save_checkpoint(tmp_path / "folder" / "again.pt", model, config, memory)
     ours = torch.load(tmp_path / "folder" / "again.pt", weights_only=True)
     assert os.listdir(tmp_path / "folder") == ["again.pt"]
     assert json.loads(ours["plain"]) == json.loads(theirs["plain"])
@@ -171,6 +175,15 @@ def test_what_is_loaded_is_what_was_saved(tmp_path, whole_run):
     for name, stored in ours["arrays"].items():
         assert same({"": stored.pop("bytes")}, {"": theirs["arrays"][name].pop("bytes")})
         assert stored == theirs["arrays"][name]
+
+
+def test_the_first_step_after_a_pause_explores_as_much_as_without_one(tmp_path):
+    config = BestResponse(**SETTINGS, algorithm="dqn")
+    before, after = (make_dqn(config, make_env(config, partners=["stay"]), SEED) for _ in range(2))
+    before.learn(16)
+    save_checkpoint(tmp_path / "checkpoint.pt", before, {})
+    load_checkpoint(tmp_path / "checkpoint.pt", after, {})
+    assert after.exploration_rate == before.exploration_rate > 0
 
 
 def test_a_save_that_fails_leaves_the_last_checkpoint(tmp_path, whole_run, monkeypatch):

@@ -75,3 +75,25 @@ def test_a_finished_run_is_not_trained_again(tmp_path, monkeypatch):
     assert again.files == outcome.files
     assert again.returns.tolist() == outcome.returns.tolist()
     assert (again.steps, again.restarts) == (outcome.steps, 0)
+
+
+def soups_by_episode(monkeypatch, soups):
+    """Lets every kitchen report these soups, one number an episode, and nothing afterwards."""
+    left, finish = list(soups), OvercookedVecEnv._finish
+
+    def told(env, dones):
+        points = 20.0 * (left.pop(0) if left else 0)
+        return [{**info, "episode_soup_reward": points} for info in finish(env, dones)]
+
+    monkeypatch.setattr(OvercookedVecEnv, "_finish", told)
+
+
+@pytest.mark.parametrize("stopped_in", [3, 4])
+def test_the_check_of_a_run_that_goes_on_is_that_of_an_uninterrupted_one(stopped_in, tmp_path, monkeypatch):
+    episode = UPDATE // 4
+    config = tiny(steps=6 * UPDATE, horizon=episode, check_share=0.5, check_soups=3.0)
+    soups_by_episode(monkeypatch, [5, 5, 0])  # 3.3 on average at the check, and less ever after
+    with monkeypatch.context() as patch:
+        press_ctrl_c(patch, OvercookedVecEnv, "step_wait", (stopped_in - 1) * episode + 5)
+        assert train(config, tmp_path, SEED) is None
+    assert train(config, tmp_path, SEED, resume=True).restarts == 0
