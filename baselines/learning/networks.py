@@ -83,14 +83,16 @@ class CnnTrunk(Trunk):
 
     The first convolution is computed as one matrix product from the live inputs, with a matrix put together out of the
     kernel, plus the convolution of the inputs that never change, once for a whole batch: the same numbers at a
-    fraction of the multiplications.
+    fraction of the multiplications. A value that many cells show, such as urgency, has the convolution of these cells
+    as its row of the matrix.
 
     With `stack_states` the four states share the convolutions, and the three older ones then pass one small layer
     that the current one does not (thesis, 7.4).
     """
 
     taps: torch.Tensor
-    fixed: torch.Tensor
+    everywhere: torch.Tensor
+    images: torch.Tensor
 
     def __init__(self, observation_space: spaces.Box, settings: Settings) -> None:
         super().__init__(observation_space, settings, settings.hidden[-1])
@@ -100,9 +102,11 @@ class CnnTrunk(Trunk):
         layout = Layout.load(settings.layout)
         one = "lossless" if states else settings.observation
         sources = torch.from_numpy(live_sources(layout, one))
-        fixed = torch.from_numpy(fixed_inputs(layout, one)).view(1, planes, height, width)
-        self.register_buffer("fixed", fixed, persistent=False)
+        everywhere = torch.nonzero(sources[sources >= 0].bincount() > 1).flatten()
+        images = [torch.from_numpy(fixed_inputs(layout, one)), *((sources == i).float() for i in everywhere)]
         self.register_buffer("taps", _taps(sources, self._image), persistent=False)
+        self.register_buffer("everywhere", everywhere, persistent=False)
+        self.register_buffer("images", torch.stack(images).view(-1, *self._image), persistent=False)
         filters = settings.filters
         self.first = torch.nn.Conv2d(planes, filters, 5, padding=2)
         self.second = torch.nn.Conv2d(filters, filters, 3, padding=1)
@@ -132,15 +136,17 @@ class CnnTrunk(Trunk):
     def _convolve(self, seen: torch.Tensor) -> torch.Tensor:
         """Gives the flattened output of the convolutions, (B, F H' W'), of single states (B, L)."""
         first = self.first
+        assert first.bias is not None
         _, height, width = self._image
-        kernel = torch.nn.functional.pad(first.weight.flatten(1), (0, 1))  # (F, C 25 + 1), the last one zero
-        # taps: (k, L, H W); several inputs may show one live value
-        matrix = kernel[:, self.taps].sum(1).permute(1, 0, 2).reshape(self.taps.shape[1], -1)  # (L, F H W)
-        still = torch.nn.functional.conv2d(self.fixed, first.weight, first.bias, padding=2)  # (1, F, H, W)
-        x = torch.addmm(still.view(1, -1), seen.float(), matrix).view(len(seen), -1, height, width)
-        x = torch.nn.functional.leaky_relu(x)
-        x = torch.nn.functional.leaky_relu(self.second(x))
-        return torch.nn.functional.leaky_relu(self.third(x)).flatten(1)
+        kernel = torch.nn.functional.pad(first.weight.flatten(1), (0, 1)).t().contiguous()  # (C 25 + 1, F), 0s at last
+        matrix = kernel.index_select(0, self.taps.flatten()).view(len(self.taps), -1)  # (L, H W F)
+        shown = torch.nn.functional.conv2d(self.images, first.weight, padding=2).permute(0, 2, 3, 1)
+        still = (shown[0] + first.bias).flatten()
+        matrix.index_add_(0, self.everywhere, shown[1:].flatten(1))
+        x = torch.nn.functional.leaky_relu_(torch.addmm(still, seen.float(), matrix))
+        x = x.view(len(seen), height, width, -1).permute(0, 3, 1, 2)  # (B, F, H, W), channels last in memory
+        x = torch.nn.functional.leaky_relu_(self.second(x))
+        return torch.nn.functional.leaky_relu_(self.third(x).flatten(1))
 
 
 class TrunkPolicy(ActorCriticPolicy):
@@ -206,17 +212,17 @@ def _taps(sources: torch.Tensor, image: tuple[int, int, int]) -> torch.Tensor:
         image: C, H, W.
 
     Returns:
-        (k, L, H W) indices into a kernel flattened to (C 25), C 25 where none does; k inputs at most show one value.
+        (L, H W) indices into a kernel flattened to (C 25), C 25 where none does, and for values shown in several cells.
     """
     planes, height, width = image
-    none = planes * 25
-    places = [torch.nonzero(sources == i).flatten().tolist() for i in range(int(sources.max()) + 1)]
-    taps = torch.full((max(map(len, places)), len(places), height * width), none)
-    for i, cells in enumerate(places):
-        for k, cell in enumerate(cells):
-            plane, y, x = cell // (height * width), cell // width % height, cell % width
-            for out in range(height * width):
-                dy, dx = y - out // width + 2, x - out % width + 2
-                if 0 <= dy < 5 and 0 <= dx < 5:
-                    taps[k, i, out] = plane * 25 + dy * 5 + dx
+    taps = torch.full((int(sources.max()) + 1, height * width), planes * 25)
+    for i in range(len(taps)):
+        cells = torch.nonzero(sources == i).flatten().tolist()
+        if len(cells) > 1:
+            continue
+        plane, y, x = cells[0] // (height * width), cells[0] // width % height, cells[0] % width
+        for out in range(height * width):
+            dy, dx = y - out // width + 2, x - out % width + 2
+            if 0 <= dy < 5 and 0 <= dx < 5:
+                taps[i, out] = plane * 25 + dy * 5 + dx
     return taps
