@@ -3,6 +3,7 @@
 import argparse
 import os
 import sys
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from overcooked_bench.commands.common import ProgressBar, add_command, console, names, whole
@@ -29,7 +30,7 @@ def add_scenarios(commands: Any) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     inner = parser.add_subparsers(metavar="COMMAND", required=True)
-    for add in (_add_run, _add_list, _add_show, _add_check, _add_new):
+    for add in (_add_run, _add_compare, _add_list, _add_show, _add_check, _add_new):
         add(inner)
 
 
@@ -135,6 +136,39 @@ def _run_once(options: argparse.Namespace, chosen: "list[Item]", make_agent: Any
         print("overcooked-bench: no scenario is played from this seat in this mirror", file=sys.stderr)
         return 2
     return 0 if all(passed) else 1
+
+
+def _add_compare(commands: Any) -> None:
+    parser = add_command(
+        commands,
+        "compare",
+        _compare,
+        "play several agents through scenarios, and count what tells them apart",
+        "overcooked-bench scenarios compare greedy stay random 'dev-v0/{layout}/sp-0'",
+    )
+    parser.add_argument("agents", metavar="AGENT", nargs="+", help="as for `scenarios run --agent`")
+    parser.add_argument("--select", metavar="A,B", type=names, help=_SELECT)
+    parser.add_argument("--repeats", metavar="N", type=whole(1), default=20, help="runs of each (default: 20)")
+    parser.add_argument("--mode", choices=("sample", "greedy"), default="sample", help="how frozen policies act")
+    parser.add_argument("--json", action="store_true", help="print JSON in place of the table")
+
+
+def _compare(options: argparse.Namespace) -> int:
+    import json
+
+    from overcooked_bench.scenarios.comparing import agents_table
+    from overcooked_bench.scenarios.entrants import agent_factory
+    from overcooked_bench.scenarios.items import load_items
+    from overcooked_bench.scenarios.runner import run_items
+
+    chosen, played = load_items(options.select), {}
+    makers = {agent: agent_factory(agent, options.mode) for agent in options.agents}
+    with ProgressBar("compiling and loading") as tell:
+        for agent, make_agent in makers.items():
+            results = run_items(make_agent, chosen, options.repeats, on_progress=partial(tell, agent))
+            played[agent] = [result.to_dict() for result in results]
+    print(json.dumps(played, indent=2) if options.json else "\n".join(agents_table(played)))
+    return 0
 
 
 def _add_list(commands: Any) -> None:

@@ -3,10 +3,12 @@
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from overcooked_bench.scenarios.errors import ScenarioError
 from overcooked_bench.scenarios.results import SCHEMA, Tally, tallies, tally
+
+_ALL: Final = "all"
 
 
 class Changes(NamedTuple):
@@ -75,13 +77,36 @@ def category_table(records: Sequence[Mapping[str, Any]]) -> list[str]:
     if len(found) > 1:
         rows.append(_row("total", tally(records)))
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return [
-        "  ".join(
-            text.ljust(width) if column == 0 else text.rjust(width)
-            for column, (text, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
+    return ["  ".join(_padded(row, widths)).rstrip() for row in rows]
+
+
+def agents_table(played: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]:
+    """Lays out agents as Markdown: how many items of each category they pass, and how many tell them apart.
+
+    Args:
+        played: Records of the same items for each agent.
+    """
+    first = next(iter(played.values()))
+    found = list(tallies("category", first))
+    ids = {name: {r["id"] for r in first if name in (r["category"], _ALL)} for name in (*found, _ALL)}
+    scenarios = {r["id"]: r["scenarios"] for r in first}
+    passed = {agent: {r["id"] for r in records if r["status"] == "passed"} for agent, records in played.items()}
+    apart = {item for item in scenarios if len({item in own for own in passed.values()}) > 1}
+    rows = [["", *ids]]
+    rows += [[agent, *(str(len(own & some)) for some in ids.values())] for agent, own in passed.items()]
+    rows.append(["items", *(str(len(some)) for some in ids.values())])
+    rows.append(["items that tell them apart", *(str(len(apart & some)) for some in ids.values())])
+    telling = [len({scenario for item in apart & some for scenario in scenarios[item]}) for some in ids.values()]
+    rows.append(["scenarios that do", *map(str, telling)])
+    widths = [max(len(row[column]) for row in rows) for column in range(len(ids) + 1)]
+    lines = [" | ".join(_padded(row, widths)) for row in rows]
+    rule = "|".join(f"{'-' * (width + 1)}{':' if place else '-'}" for place, width in enumerate(widths))
+    return [f"| {lines[0]} |", f"|{rule}|", *(f"| {line} |" for line in lines[1:])]
+
+
+def _padded(row: Sequence[str], widths: Sequence[int]) -> list[str]:
+    """Aligns the first cell on the left and the others on the right."""
+    return [row[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True))]
 
 
 def _row(name: str, counted: Tally) -> tuple[str, ...]:
