@@ -98,7 +98,7 @@ def load_checkpoint(
         CheckpointError: No such file, not readable, or the configuration differs; says in what.
     """
     try:
-        content = torch.load(path, weights_only=True)
+        content = torch.load(path, map_location="cpu", weights_only=True)
         if content["format"] != FORMAT:
             raise CheckpointError(f"{path}: format {content['format']!r}; this version reads {FORMAT}")
         plain = json.loads(content["plain"])

@@ -46,30 +46,31 @@ class Batch(NamedTuple):
 
 
 class CompactBuffer(RolloutBuffer):
-    """SB3's rollout buffer that keeps what the trunk reads, allocated once.
+    """SB3's rollout buffer that keeps what the trunk reads, allocated once; tensors stay on the network's device.
 
     Attributes:
         seen: (T, R, ...) compact observations.
         logs: (T, R, 6) log-probabilities of all actions.
+        judged: (T, R) values; `values` once the rollout is complete.
     """
 
     seen: torch.Tensor
     logs: torch.Tensor
+    judged: torch.Tensor
 
     def reset(self) -> None:
         """Empties the buffer; its memory stays."""
         if not hasattr(self, "returns"):
             shape = self.buffer_size, self.n_envs
-            for name in ("rewards", "returns", "episode_starts", "values", "log_probs", "advantages"):
+            for name in ("rewards", "returns", "episode_starts", "values", "advantages"):
                 setattr(self, name, np.zeros(shape, np.float32))
             self.actions = np.zeros(shape, np.int64)
-            self.logs = torch.zeros(*shape, int(self.action_space.n))  # type: ignore[attr-defined]
         self.pos, self.full, self.generator_ready = 0, False, False
 
     def put(
         self,
         seen: torch.Tensor,
-        actions: torch.Tensor,
+        actions: np.ndarray[Any, Any],
         rewards: np.ndarray[Any, Any],
         episode_starts: np.ndarray[Any, Any],
         values: torch.Tensor,
@@ -78,13 +79,13 @@ class CompactBuffer(RolloutBuffer):
         """Keeps one step of all rows."""
         t = self.pos
         if not hasattr(self, "seen"):
-            self.seen = seen.new_zeros(self.buffer_size, *seen.shape)
-        self.seen[t], self.logs[t] = seen, logs
-        self.actions[t], self.rewards[t], self.episode_starts[t] = actions.cpu(), rewards, episode_starts
-        self.values[t] = values.cpu()
-        self.log_probs[t] = logs.gather(1, actions.unsqueeze(1)).squeeze(1).cpu()
+            self.seen, self.logs, self.judged = (x.new_zeros(self.buffer_size, *x.shape) for x in (seen, logs, values))
+        self.seen[t], self.logs[t], self.judged[t] = seen, logs, values
+        self.actions[t], self.rewards[t], self.episode_starts[t] = actions, rewards, episode_starts
         self.pos += 1
         self.full = self.pos == self.buffer_size
+        if self.full:
+            self.values = self.judged.cpu().numpy()
 
 
 class Learner(PPO):
@@ -115,8 +116,9 @@ class Learner(PPO):
             seen = self._compact(self._last_obs)
             with torch.no_grad():
                 logs, values = self.policy.judge(seen)
-                actions = (logs.exp().cumsum(1) < draws[t]).sum(1).clamp_(max=logs.shape[1] - 1)
-            new_obs, rewards, dones, infos = env.step(actions.cpu().numpy())
+                drawn = (logs.exp().cumsum(1) < draws[t]).sum(1).clamp_(max=logs.shape[1] - 1)
+            actions = drawn.cpu().numpy()
+            new_obs, rewards, dones, infos = env.step(actions)
             self.num_timesteps += env.num_envs
             callback.update_locals(locals())
             if not callback.on_step():
@@ -196,14 +198,15 @@ class Learner(PPO):
     def _whole_batch(self) -> Batch:
         buffer, device = self.rollout_buffer, self.device
         others = self.pressure.others if self.pressure else torch.zeros(*buffer.actions.shape, 0)
-        arrays = buffer.actions, buffer.log_probs, buffer.advantages, buffer.returns
-        actions, log_probs, advantages, returns = (torch.from_numpy(a).flatten().to(device) for a in arrays)
+        arrays = buffer.actions, buffer.advantages, buffer.returns
+        actions, advantages, returns = (torch.from_numpy(a).flatten().to(device) for a in arrays)
+        log_probs = buffer.logs.flatten(0, 1).gather(1, actions.unsqueeze(1)).squeeze(1)
         return Batch(
             buffer.seen.flatten(0, 1), actions, log_probs, advantages, returns, others.flatten(0, 1).to(device)
         )
 
     def _compact(self, observations: Any) -> torch.Tensor:
-        return self.policy.compact(torch.from_numpy(observations)).to(self.device)
+        return self.policy.compact(torch.from_numpy(observations).to(self.device))
 
     def _values(self, observations: Any) -> np.ndarray[Any, Any]:
         with torch.no_grad():

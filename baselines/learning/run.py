@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+import torch
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger, make_output_format
 
@@ -71,7 +72,7 @@ class Outcome:
 
 
 class UnfitError(ValueError):
-    """The settings do not fit the layout, such as a standard start where the grid names no start cells."""
+    """The settings do not fit the layout or the machine, as a standard start where the grid names no start cells."""
 
 
 def make_env(settings: Settings, **others: Any) -> OvercookedVecEnv:
@@ -132,8 +133,10 @@ def run(
 
     Raises:
         CheckpointError: There is nothing to resume from, or it belongs to another configuration.
-        UnfitError: The settings do not fit the layout.
+        UnfitError: The settings do not fit the layout, or there is no such device.
     """
+    if settings.device == "cuda" and not torch.cuda.is_available():  # SB3 would take the processor without a word
+        raise UnfitError("device='cuda', but torch finds no GPU here; give --device cpu")
     resolved = resolved_config(settings, method, seed, told)
     checkpoint = output / CHECKPOINT
     if resume and (known := _finished(output, resolved, settings)):
