@@ -13,7 +13,7 @@ from .learning.algorithms import Algorithm, AnyLearner, make_a2c, make_dqn, make
 from .learning.command import main_of
 from .learning.partners import load_partners, partner_names, returns_with, sharing
 from .learning.run import Outcome, UnfitError, make_env, run
-from .learning.settings import PartnerSettings
+from .learning.settings import PartnerSettings, check_draws
 
 METHOD: Final = "best-response"
 
@@ -27,7 +27,17 @@ class Config(PartnerSettings):
     per_episode: int = 0
     """How many partners are drawn for each episode; 0 lets all play at once."""
     algorithm: Algorithm = "ppo"
-    """The learner; epochs, minibatches and clip are PPO's alone."""
+    """The learner. A2C has no epochs, minibatches and clip, and rollouts of 20 steps at most; of all PPO's settings DQN
+    takes steps, kitchens, learning rates, gamma and gradient norm alone."""
+
+    def __post_init__(self) -> None:
+        """Checks the draws too.
+
+        Raises:
+            ValueError: Names the setting and what it may be.
+        """
+        PartnerSettings.__post_init__(self)
+        check_draws(self.per_episode, self.num_kitchens, least=0)
 
 
 def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:

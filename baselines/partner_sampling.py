@@ -21,7 +21,7 @@ from .learning.command import main_of
 from .learning.freeze import freeze
 from .learning.learner import Learner
 from .learning.run import Outcome, make_env, run
-from .learning.settings import PartnerSettings
+from .learning.settings import PartnerSettings, check_draws
 
 METHOD: Final = "partner-sampling"
 PAST: Final = "past"
@@ -43,11 +43,9 @@ class Config(PartnerSettings):
             ValueError: Names the setting and what it may be.
         """
         PartnerSettings.__post_init__(self)
-        if self.save_every < 1 or not 1 <= self.per_episode <= self.num_kitchens:
-            raise ValueError(
-                f"save_every={self.save_every}, per_episode={self.per_episode}; give whole numbers from 1, and at "
-                f"most one partner for each of the {self.num_kitchens} kitchens"
-            )
+        check_draws(self.per_episode, self.num_kitchens)
+        if self.save_every < 1:
+            raise ValueError(f"save_every={self.save_every}; give a number from 1")
 
 
 class PastSelves:

@@ -71,10 +71,11 @@ class Config(PartnerSettings):
                 f"agents={self.agents}, rounds={self.rounds}, replaced={self.replaced}, mutation={self.mutation}; give "
                 "at least 2 agents, 1 round, at most half of the agents to replace, and a factor from 1"
             )
-        if self.agents > self.num_kitchens or self.steps // self.rounds < self.num_kitchens * self.rollout:
+        least = 2 * self.num_kitchens * self.rollout
+        if self.agents > self.num_kitchens or self.steps // self.rounds < least:
             raise ValueError(
                 f"rounds={self.rounds} of {self.steps // self.rounds} steps with {self.agents} agents; a round needs "
-                f"an update, {self.num_kitchens * self.rollout} joint steps, and each agent a kitchen"
+                f"two updates, {least} joint steps, and each agent a kitchen"
             )
 
 
@@ -87,19 +88,13 @@ class Leg(PartnerSettings):
     whole: int
     """Joint steps of the whole run."""
 
-    def shaping_at(self, done: int) -> float:
-        """Gives the weight of partial rewards after `done` joint steps of this leg."""
-        return max(0.0, 1 - (self.begun + done) / max(1.0, self.shaping_share * self.whole))
-
-    def entropy_at(self, done: int) -> float:
-        """Gives the coefficient of the entropy bonus after `done` joint steps of this leg."""
-        passed = min(1.0, (self.begun + done) / max(1.0, self.entropy_share * self.whole))
-        return self.entropy_start + (self.entropy_end - self.entropy_start) * passed
-
     def learning_rate_at(self, left: float) -> float:
         """Gives the learning rate where the share `left` of this leg is left."""
         passed = min(1.0, (self.begun + (1 - max(0.0, left)) * self.steps) / self.whole)
         return self.learning_rate + (self.learning_rate_end - self.learning_rate) * passed
+
+    def _passed(self, done: int, share: float) -> float:
+        return min(1.0, (self.begun + done) / (share * self.whole)) if share else 1.0
 
 
 def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:

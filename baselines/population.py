@@ -11,6 +11,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
+from math import inf
 from pathlib import Path
 from typing import Final
 
@@ -30,7 +31,7 @@ from .learning.parts import begun, loaded, self_play_agents
 from .learning.pressure import Pressure
 from .learning.run import POLICY, Outcome, claim, make_env, read_json, run, write_json
 from .learning.seeds import part_of
-from .learning.settings import PartnerSettings
+from .learning.settings import PartnerSettings, check_draws
 from .pretrained_partners import self_play_config
 
 METHOD: Final = "population"
@@ -81,11 +82,21 @@ class Config(PartnerSettings):
                 f"candidates={self.candidates}, chosen={self.chosen}, agents={self.agents}; choose from 1 up to all "
                 "of the candidates, and train 0 agents or more"
             )
-        if not 1 <= self.per_episode <= self.chosen or self.final_factor <= 0:
-            raise ValueError(
-                f"per_episode={self.per_episode}, final_factor={self.final_factor}; draw from 1 up to the "
-                f"{self.chosen} initial agents, and give a factor above 0"
-            )
+        check_draws(self.per_episode, self.num_kitchens)
+        if self.per_episode > self.chosen:
+            raise ValueError(f"per_episode={self.per_episode}; draw at most the {self.chosen} initial agents")
+        if not 1 <= self.final_factor < inf:
+            raise ValueError(f"final_factor={self.final_factor}; give a factor from 1")
+        for kind in ("reward", "loss"):
+            coefficient, clip = getattr(self, f"{kind}_coefficient"), getattr(self, f"{kind}_clip")
+            if not (0 < coefficient < inf and 0 < clip < inf) and (coefficient, clip) != (0, 0):
+                raise ValueError(
+                    f"{kind}_coefficient={coefficient} with {kind}_clip={clip}; give both above 0, or both as 0"
+                )
+        try:
+            self_play_config(self, self.candidate_steps)
+        except ValueError as error:
+            raise ValueError(f"candidate_steps={self.candidate_steps}: as self-play, {error}") from None
 
     @property
     def presses(self) -> bool:

@@ -22,7 +22,7 @@ from .learning.learner import Learner
 from .learning.partners import load_partners, partner_names, returns_with
 from .learning.parts import begun, half_trained, loaded, self_play_agents
 from .learning.run import Outcome, UnfitError, make_env, run
-from .learning.settings import PartnerSettings
+from .learning.settings import PartnerSettings, check_draws
 from .self_play import Config as SelfPlay
 
 METHOD: Final = "pretrained-partners"
@@ -44,6 +44,22 @@ class Config(PartnerSettings):
     """Whether their untrained and half-trained policies are partners too (fictitious co-play)."""
     per_episode: int = 3
     """How many partners are drawn for each episode."""
+
+    def __post_init__(self) -> None:
+        """Checks the partners too.
+
+        Raises:
+            ValueError: Names the setting and what it may be.
+        """
+        PartnerSettings.__post_init__(self)
+        check_draws(self.per_episode, self.num_kitchens)
+        if not self.pool:
+            if self.agents < 1:
+                raise ValueError(f"agents={self.agents}; train one agent or more, or give a pool")
+            try:
+                self_play_config(self, self.agent_steps)
+            except ValueError as error:
+                raise ValueError(f"agent_steps={self.agent_steps}: as self-play, {error}") from None
 
 
 def self_play_config(config: PartnerSettings, steps: int, snapshots: tuple[float, ...] = ()) -> SelfPlay:

@@ -1,7 +1,19 @@
 """What every PPO run can be told, with the values of the `fast` configuration as defaults."""
 
 from dataclasses import dataclass
-from typing import Literal
+from math import inf
+from typing import Final, Literal
+
+_COUNTS: Final = ("num_kitchens", "rollout", "epochs", "minibatches", "horizon", "filters", "previous", "threads")
+_SHARES: Final = ("gamma", "gae_lambda", "entropy_share", "shaping_share", "check_share", "object_probability")
+_FROM_0: Final = ("learning_rate_end", "value_coefficient", "entropy_start", "entropy_end", "restarts")
+_RANGES: Final = (
+    (_COUNTS, 1, inf, "a number from 1"),
+    (_SHARES, 0, 1, "a share from 0 to 1"),
+    (("learning_rate", "clip", "max_grad_norm"), 1e-12, 1e12, "a number above 0"),
+    (_FROM_0, 0, 1e12, "a number from 0"),
+)
+"""Settings, the least and the most that they may be, and the same in words."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,12 +93,10 @@ class Settings:
         Raises:
             ValueError: Names the setting and what it may be.
         """
-        for name in ("num_kitchens", "rollout", "epochs", "minibatches", "horizon", "filters", "previous", "threads"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name}={getattr(self, name)}; give a number from 1")
-        for name in ("entropy_share", "shaping_share", "check_share", "object_probability"):
-            if not 0 <= getattr(self, name) <= 1:
-                raise ValueError(f"{name}={getattr(self, name)}; give a share from 0 to 1")
+        for names, least, most, wanted in _RANGES:
+            for name in names:
+                if not least <= getattr(self, name) <= most:
+                    raise ValueError(f"{name}={getattr(self, name)}; give {wanted}")
         update = self.num_kitchens * self.rollout
         if self.steps < 2 * update:
             raise ValueError(f"steps={self.steps}; give at least two updates, {2 * update} joint steps")
@@ -112,12 +122,11 @@ class Settings:
 
     def shaping_at(self, done: int) -> float:
         """Gives the weight of partial rewards after `done` joint steps."""
-        return max(0.0, 1 - done / max(1.0, self.shaping_share * self.steps))
+        return 1 - self._passed(done, self.shaping_share)
 
     def entropy_at(self, done: int) -> float:
         """Gives the coefficient of the entropy bonus after `done` joint steps."""
-        passed = min(1.0, done / max(1.0, self.entropy_share * self.steps))
-        return self.entropy_start + (self.entropy_end - self.entropy_start) * passed
+        return self.entropy_start + (self.entropy_end - self.entropy_start) * self._passed(done, self.entropy_share)
 
     def learning_rate_at(self, left: float) -> float:
         """Gives the learning rate where the share `left` of the steps is left, as stable-baselines3 counts them.
@@ -125,6 +134,23 @@ class Settings:
         The last rollout may end after `steps`, with less than nothing left.
         """
         return self.learning_rate_end + (self.learning_rate - self.learning_rate_end) * max(0.0, left)
+
+    def _passed(self, done: int, share: float) -> float:
+        """Gives how much has passed, from 0 to 1, of a schedule that takes a share of the steps."""
+        return min(1.0, done / (share * self.steps)) if share else 1.0
+
+
+def check_draws(per_episode: int, num_kitchens: int, least: int = 1) -> None:
+    """Refuses to draw more partners for an episode than there are kitchens to play in.
+
+    Raises:
+        ValueError: Says how many can be drawn.
+    """
+    if not least <= per_episode <= num_kitchens:
+        raise ValueError(
+            f"per_episode={per_episode}; give a number from {least}, and at most one partner for each of the "
+            f"{num_kitchens} kitchens"
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
