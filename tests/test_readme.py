@@ -53,3 +53,37 @@ def test_a_script_runs(text):
             names[name].step(names[name].action_space.sample())
             names[name].close()
     assert "env" in names or names["views"].shape == (4096, 2, 26, 4, 5)
+
+
+def test_the_scenario_stands_the_gates(tmp_path):
+    from overcooked_bench.scenarios.gates import check
+    from overcooked_bench.scenarios.loading import load_scenario
+
+    (text,) = re.findall(r"```yaml\n(.*?)```", README, re.DOTALL)
+    name = text.partition("id: ")[2].partition("\n")[0]
+    (tmp_path / f"{name}.scenario.yaml").write_text(text)
+    assert len(text.splitlines()) <= 15
+    report = check(load_scenario(tmp_path / f"{name}.scenario.yaml"))
+    assert report.mergeable, report.faults
+
+
+def test_whoever_writes_a_scenario_finds_every_word_here():
+    from overcooked_bench.agents.scripts.parsing import KINDS, MANNERS, TIMED
+    from overcooked_bench.scenarios import CATEGORIES
+    from overcooked_bench.scenarios.counters import EVENTS
+    from overcooked_bench.scenarios.loading import CHEF_KEYS, KEYS
+    from overcooked_bench.scenarios.predicates import _AFTER_CHEF
+
+    chapter = README.partition("### Write a scenario")[2].partition("\n## ")[0]
+    parameters = {key for kind in KINDS.values() for key in (*kind.needs, *kind.may)}
+    for word in (*KEYS, *CHEF_KEYS, *KINDS, *MANNERS, *TIMED, *parameters, *EVENTS, *_AFTER_CHEF, *CATEGORIES):
+        assert re.search(rf"`[^`\n]*\b{word}\b", chapter), word
+
+
+def test_every_option_of_the_plugin_is_told(pytester):
+    chapter = README.partition("## Cooperation unit tests")[2].partition("\n## ")[0]
+    shown = pytester.runpytest_inprocess("--help", "-pno:hypothesispytest", "-pno:benchmark").stdout.str()
+    told = shown.partition("cooperation scenarios (overcooked-bench):\n")[2].partition("\n\n")[0]
+    options = re.findall(r"^  (--[a-z-]+)", told, re.MULTILINE)
+    assert len(options) >= 10
+    assert [option for option in options if option not in chapter] == []
