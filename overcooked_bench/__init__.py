@@ -1,6 +1,8 @@
 """Score agents that cooperate with strangers: Overcooked kitchens, frozen partners, honest statistics.
 
 Names are imported when they are used, so that `import overcooked_bench` stays quick.
+
+PYTEST_DONT_REWRITE: pytest finds its plugin in here, and would warn whoever imported the package before it.
 """
 
 from importlib import import_module
