@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 RESULTS = Path(__file__).with_name("RESULTS.md")
-SECTIONS = ("speed", "peers")
+SECTIONS = ("speed", "peers", "return")
 LIBRARIES = ("numpy", "numba", "gymnasium", "stable-baselines3", "torch")
 
 KITCHEN_TARGETS = {  # grid: ratio to a plain copy at 256 and 4096 kitchens, the same hoped for, joint steps a second
@@ -25,6 +25,7 @@ CALL_TARGETS = {"gymnasium.make_vec": (6e-6, "at most 6 us a call"), "gymnasium.
 START_TARGETS = {"`import overcooked_bench`": 1.0, "`overcooked-bench --help`": 1.0}
 FIRST_CALL_TARGETS = {"warm": 1.0, "cold": 5.0}
 PARTNER_TARGET = 1.6
+TRAINING_TARGETS = {("fast", "5x5", 1): 15e3, ("thesis", "5x5", 2): 2.5e3}  # configuration, grid, threads: steps/s
 MEMORY_TARGET = 150e6 / 2**20
 
 INTRODUCTION = """\
@@ -39,6 +40,7 @@ To repeat it, the tables between the markers being written anew:
 python -m pytest tests/benchmarks -m benchmark -n0 --benchmark-json=speed.json
 python -m tests.benchmarks.results speed.json
 python -m tests.benchmarks.peers --overcooked-ai-python PATH --jaxmarl-python PATH
+python -m tests.benchmarks.time_to_return --jaxmarl-python PATH
 ```
 
 """
@@ -157,6 +159,45 @@ def partner_table(benches: Sequence[Mapping[str, Any]]) -> str:
     return table(["", "a call", "joint steps/s", "target"], rows)
 
 
+def training_table(benches: Sequence[Mapping[str, Any]]) -> str:
+    """Joint steps a second of self-play with its updates, and of the networks' passes alone."""
+    rows = []
+    for bench in benches:
+        extra, (median, best) = bench["extra_info"], seconds(bench)
+        steps = extra["joint_steps"]
+        target = TRAINING_TARGETS.get((extra["configuration"], extra["grid"], extra["threads"]))
+        rows.append(
+            [
+                extra["what"],
+                f"{millions(steps / median)} ({millions(steps / best)})",
+                f"{millions(steps / extra['bound_median'])} ({millions(steps / extra['bound_min'])})",
+                f"{extra['ratio_to_bound']:.2f}",
+                f"{millions(target)}/s: {verdict(steps / median >= target)}" if target else "-",
+            ]
+        )
+    return table(["", "joint steps/s", "the networks alone", "times as long as they", "target"], rows)
+
+
+def shares_table(benches: Sequence[Mapping[str, Any]]) -> str:
+    """Where the time of learning goes, in hundredths of all of it."""
+    rows = []
+    for bench in benches:
+        parts = bench["extra_info"]["parts"]
+        in_updates = min(parts["update, networks alone"], parts["update"])
+        shares = (
+            parts["network"],
+            parts["kitchens"],
+            parts["rollout"] - parts["network"] - parts["kitchens"],
+            in_updates,
+            parts["update"] - in_updates,
+            parts["all"] - parts["rollout"] - parts["update"],
+        )
+        rows.append([bench["extra_info"]["what"], *(f"{max(0, share) / parts['all']:.0%}" for share in shares)])
+    return table(
+        ["", "rollout: network", "its kitchens", "its rest", "update: network alone", "its rest", "between them"], rows
+    )
+
+
 def _times(median: float, best: float, joint_steps: int) -> tuple[str, str]:
     unit, name = (1e6, "us") if median < 1e-3 else (1e3, "ms")
     told = f"{median * unit:.2f} {name} ({best * unit:.2f})"
@@ -196,7 +237,7 @@ def speed_section(data: Mapping[str, Any]) -> str:
         ValueError: It holds other benchmarks, or none.
     """
     kinds: dict[str, list[Mapping[str, Any]]] = {
-        kind: [] for kind in ("kitchens", "environment", "partners", "start-up", "memory")
+        kind: [] for kind in ("kitchens", "environment", "partners", "training", "start-up", "memory")
     }
     for bench in data["benchmarks"]:
         kinds[bench["extra_info"]["kind"]].append(bench)
@@ -222,6 +263,13 @@ Partners: a step of stable-baselines3's environment with each kind, and an updat
 against four frozen policies, each timed right after one against `stay`; the ratio is the median of these pairs.
 
 {partner_table(kinds["partners"])}
+Learning in self-play, both seats: an update is a rollout and all passes over it. The networks alone: as many forward
+passes of as many rows, and as many forward and backward passes with Adam of as many samples, on random numbers, timed
+right before each update; the ratio is the median of these pairs. Below, where the time goes; what the update's passes
+take within it is what they take alone, the rest is loss, shuffling, and clipping.
+
+{training_table(kinds["training"])}
+{shares_table(kinds["training"])}
 From the start of the process to its end. Kernels are kept on disk from before (warm) or compiled anew (cold); importing
 numba is part of the first call.
 

@@ -2,7 +2,16 @@
 
 import pytest
 
-from tests.benchmarks.results import circumstances, kitchen_table, millions, partner_table, start_table, write_section
+from tests.benchmarks.results import (
+    circumstances,
+    kitchen_table,
+    millions,
+    partner_table,
+    shares_table,
+    start_table,
+    training_table,
+    write_section,
+)
 
 
 def test_a_section_is_written_between_its_markers_and_the_others_stay(tmp_path):
@@ -52,6 +61,25 @@ def test_partners_are_judged_by_their_ratio_to_stay(ratio, told):
     assert stay == "| an update: against stay | 10.00 ms (5.00) | 10.0 k (20.0 k) | - |"
     assert four.startswith("| an update: against four | 20.00 ms (10.00) | 5.0 k (10.0 k) | ")
     assert four.endswith(f"{told} |")
+
+
+def learning(median):
+    parts = {"all": 2.0, "rollout": 0.8, "network": 0.3, "kitchens": 0.1, "update": 1.0}
+    extra = {"configuration": "fast", "grid": "5x5", "threads": 1, "what": "fast 5x5", "joint_steps": 12_800}
+    extra |= {"bound_median": 0.5, "bound_min": 0.4, "ratio_to_bound": 1.75}
+    extra["parts"] = parts | {"update, networks alone": 0.7, "rollout, networks alone": 0.25}
+    return [{"extra_info": extra, "stats": {"median": median, "min": 0.64}}]
+
+
+@pytest.mark.parametrize(("median", "told"), [(0.8, "15.0 k/s: met"), (1.0, "15.0 k/s: **missed**")])
+def test_learning_is_judged_by_its_steps_a_second(median, told):
+    row = training_table(learning(median)).splitlines()[-1]
+    assert row == f"| fast 5x5 | {12.8 / median:.1f} k (20.0 k) | 25.6 k (32.0 k) | 1.75 | {told} |"
+
+
+def test_the_shares_of_learning_are_all_of_it():
+    row = shares_table(learning(1.0)).splitlines()[-1]
+    assert row == "| fast 5x5 | 15% | 5% | 20% | 35% | 15% | 10% |"
 
 
 def test_rates_are_written_short():
