@@ -102,7 +102,7 @@ def load_checkpoint(
         if content["format"] != FORMAT:
             raise CheckpointError(f"{path}: format {content['format']!r}; this version reads {FORMAT}")
         plain = json.loads(content["plain"])
-        _compare(path, plain["config"], config)
+        check_same(path, plain["config"], config)
         before(plain["num_timesteps"] // (model.n_envs // _env_of(model).kitchens.num_kitchens))
         _apply(content, plain, model)
         return dict(plain.get("memory", {}))
@@ -124,13 +124,16 @@ def _env_of(model: AnyLearner) -> OvercookedVecEnv:
     return env
 
 
-def _compare(path: Path, theirs: dict[str, Any], ours: dict[str, Any]) -> None:
+def check_same(path: Path, theirs: dict[str, Any], ours: dict[str, Any]) -> None:
+    """Compares the configuration that was found in a file with that of the run.
+
+    Raises:
+        CheckpointError: They differ; says in what.
+    """
     differing = sorted(key for key in {*ours, *theirs} if ours.get(key) != theirs.get(key))
     if differing:
         told = ", ".join(f"{key} was {theirs.get(key)!r}, is {ours.get(key)!r}" for key in differing)
-        raise CheckpointError(
-            f"{path}: the checkpoint belongs to another configuration ({told}); choose another --output"
-        )
+        raise CheckpointError(f"{path}: belongs to another configuration ({told}); choose another --output")
 
 
 def _apply(content: dict[str, Any], plain: dict[str, Any], model: AnyLearner) -> None:

@@ -38,6 +38,7 @@ class Monitor(BaseCallback):
         settings: The run's.
         snapshots: Folder for the policies that are saved on the way.
         last_attempt: Whether the run goes on though the divergence check finds it wanting.
+        memory: What `memory` gave when the run was saved; none for a fresh run.
 
     Attributes:
         stopped: Whether the run was stopped, and saved, before its end.
@@ -52,12 +53,16 @@ class Monitor(BaseCallback):
         settings: Settings,
         snapshots: Path,
         last_attempt: bool = True,
+        memory: dict[str, Any] | None = None,
     ) -> None:
         super().__init__()
         self._config, self._checkpoint, self._every, self._settings = config, checkpoint, every, settings
-        self._snapshots, self._unchecked = snapshots, settings.check_share > 0 and not last_attempt
+        known = {"returns": [], "unchecked": True, "seconds": 0.0, **(memory or {})}
+        self._snapshots = snapshots
+        self._unchecked = settings.check_share > 0 and not last_attempt and known["unchecked"]
+        self._began, self._before = time.monotonic(), float(known["seconds"])
         self._steps = settings.steps
-        self._returns: deque[float] = deque(maxlen=_RECENT)
+        self._returns: deque[float] = deque(known["returns"], maxlen=_RECENT)
         self._name = "custom kitchen" if "\n" in settings.layout else settings.layout
         self._asked = self._answered = False
         self._restore: Callable[[], object] = lambda: None
@@ -80,13 +85,13 @@ class Monitor(BaseCallback):
         return model.num_timesteps // (model.n_envs // self._settings.num_kitchens)
 
     def memory(self) -> dict[str, Any]:
-        """Gives what the divergence check depends on, for a checkpoint."""
-        return {"returns": list(self._returns), "unchecked": self._unchecked}
+        """Gives what the divergence check depends on, and the time, for a checkpoint."""
+        return {"returns": list(self._returns), "unchecked": self._unchecked, "seconds": self.seconds}
 
-    def remember(self, memory: dict[str, Any]) -> None:
-        """Takes back what `memory` gave when the run was saved."""
-        self._returns.extend(memory.get("returns", ()))
-        self._unchecked = self._unchecked and memory.get("unchecked", True)
+    @property
+    def seconds(self) -> float:
+        """Wall-clock of training, without pauses."""
+        return self._before + time.monotonic() - self._began
 
     def close(self) -> None:
         """Gives Ctrl-C and the terminal back; needed after a run that ended by an exception, harmless after others."""

@@ -2,7 +2,6 @@
 
 import json
 import os
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -17,7 +16,7 @@ from overcooked_bench.agents.policy import PolicyFiles, policy_files
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 
 from .algorithms import AnyLearner
-from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from .checkpoint import CheckpointError, check_same, load_checkpoint, save_checkpoint
 from .freeze import Returns, freeze, returns_with_itself
 from .monitor import Monitor, snapshot_name
 from .seeds import restarted
@@ -43,8 +42,8 @@ class Outcome:
     Attributes:
         files: The frozen policy's files, actor only, float16.
         returns: (E,) soup reward of each evaluation episode with itself, sampled actions, points.
-        steps: Joint steps of training.
-        seconds: Wall-clock of training in this process.
+        steps: Joint steps of training; those of attempts that the divergence check gave up do not count.
+        seconds: Wall-clock of training, without pauses; that of the attempts given up counts.
         snapshots: Policies saved on the way, by share of the steps.
         restarts: How often the divergence check began anew.
         with_partners: (E,) the same with the partners of the training, both seats; None where it had none of its own.
@@ -135,30 +134,28 @@ def run(
         CheckpointError: There is nothing to resume from, or it belongs to another configuration.
         UnfitError: The settings do not fit the layout, or there is no such device.
     """
-    if settings.device == "cuda" and not torch.cuda.is_available():  # SB3 would take the processor without a word
-        raise UnfitError("device='cuda', but torch finds no GPU here; give --device cpu")
+    _check_device(settings)
+    torch.set_num_threads(settings.threads)  # also for what is measured after a run that was finished before
     resolved = resolved_config(settings, method, seed, told)
     checkpoint = output / CHECKPOINT
-    if resume and (known := _finished(output, resolved, settings)):
-        return known
+    if resume:
+        _check_config(output, resolved)
+        if known := _finished(output, settings):
+            return known
     given_up: list[dict[str, Any]] = (read_json(output / RESTARTS) or []) if resume else []
-    seconds = 0.0
     while True:
         attempt = len(given_up)
         model = make(restarted(seed, attempt))
         config = resolved | ({"attempt": attempt} if attempt else {})
         going_on = resume and (checkpoint.exists() or not (output / CONFIG_FILE).exists())
-        memory = {}
+        memory = None
         if going_on:  # a run that was killed before its first checkpoint begins anew
             memory = load_checkpoint(checkpoint, model, config, before)
         output.mkdir(parents=True, exist_ok=True)
         write_json(output / CONFIG_FILE, resolved)
-        monitor = Monitor(
-            config, checkpoint, every, settings, output / SNAPSHOTS, last_attempt=attempt >= settings.restarts
-        )
-        monitor.remember(memory)
+        last = attempt >= settings.restarts
+        monitor = Monitor(config, checkpoint, every, settings, output / SNAPSHOTS, last, memory)
         model.set_logger(_open_logs(output / "logs", monitor.joint_steps(model), attempt))
-        began = time.perf_counter()
         try:
             rows = model.n_envs // settings.num_kitchens
             left = rows * settings.steps - model.num_timesteps
@@ -166,14 +163,14 @@ def run(
         finally:
             monitor.close()
             model.logger.close()
-        seconds += time.perf_counter() - began
+        seconds = monitor.seconds + sum(one.get("seconds", 0.0) for one in given_up)
         if monitor.diverged is None:
             break
-        given_up.append({"seed": restarted(seed, attempt), **monitor.diverged})
-        write_json(output / RESTARTS, given_up)
         checkpoint.unlink(missing_ok=True)
         for file in (output / SNAPSHOTS).glob("*"):
             file.unlink()
+        given_up.append({"seed": restarted(seed, attempt), **monitor.diverged, "seconds": monitor.seconds})
+        write_json(output / RESTARTS, given_up)  # at last: a run killed before comes to this point again
     if monitor.stopped:
         return None
     save_checkpoint(checkpoint, model, config, monitor.memory())
@@ -198,11 +195,13 @@ def claim(output: Path, settings: Settings, method: str, seed: int, resume: bool
 
     Raises:
         CheckpointError: The folder holds another one's.
+        UnfitError: The settings do not fit the layout, or there is no such device.
     """
+    _check_device(settings)
+    make_env(settings)
     resolved = resolved_config(settings, method, seed)
-    known = read_json(output / CONFIG_FILE) if resume else None
-    if known is not None and known != resolved:
-        raise CheckpointError(f"{output}: holds a run of another configuration; choose another --output")
+    if resume:
+        _check_config(output, resolved)
     output.mkdir(parents=True, exist_ok=True)
     write_json(output / CONFIG_FILE, resolved)
 
@@ -228,16 +227,25 @@ def read_json(file: Path) -> Any:
         raise CheckpointError(f"{file}: not JSON ({error}); choose another --output") from None
 
 
+def _check_device(settings: Settings) -> None:
+    if settings.device == "cuda" and not torch.cuda.is_available():  # SB3 would take the processor without a word
+        raise UnfitError("device='cuda', but torch finds no GPU here; give --device cpu")
+
+
+def _check_config(output: Path, resolved: dict[str, Any]) -> None:
+    known = read_json(output / CONFIG_FILE)
+    if known is not None:
+        check_same(output / CONFIG_FILE, known, resolved)
+
+
 def _snapshots(output: Path, settings: Settings) -> dict[float, PolicyFiles]:
     return {share: policy_files(output / SNAPSHOTS / snapshot_name(share)) for share in settings.snapshots}
 
 
-def _finished(output: Path, resolved: dict[str, Any], settings: Settings) -> Outcome | None:
-    """Gives the outcome of a run that is finished already, and was this one."""
+def _finished(output: Path, settings: Settings) -> Outcome | None:
+    """Gives the outcome of a run that is finished already."""
     try:
         numbers = json.loads((output / RESULT).read_text())
-        if json.loads((output / CONFIG_FILE).read_text()) != resolved:
-            return None
         return Outcome(
             policy_files(output / POLICY),
             np.asarray(numbers["returns"], np.float64),

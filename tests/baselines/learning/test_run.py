@@ -1,10 +1,14 @@
 import json
+from pathlib import Path
 
 import pytest
+import torch
 
 from overcooked_bench.agents.policy import load_policy
+from overcooked_bench.baselines.learning import run as run_module
+from overcooked_bench.baselines.learning.checkpoint import CheckpointError
 from overcooked_bench.baselines.learning.parts import half_trained
-from overcooked_bench.baselines.learning.run import RESTARTS
+from overcooked_bench.baselines.learning.run import RESTARTS, RESULT, write_json
 from overcooked_bench.baselines.learning.seeds import part_of, restarted
 from overcooked_bench.baselines.self_play import train
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
@@ -97,3 +101,79 @@ def test_the_check_of_a_run_that_goes_on_is_that_of_an_uninterrupted_one(stopped
         press_ctrl_c(patch, OvercookedVecEnv, "step_wait", (stopped_in - 1) * episode + 5)
         assert train(config, tmp_path, SEED) is None
     assert train(config, tmp_path, SEED, resume=True).restarts == 0
+
+
+class Killed(Exception):
+    """What a test raises where a process would be killed."""
+
+
+@pytest.mark.parametrize("at", [0, 2, 3, 4, 5, 6, 7])
+def test_a_run_killed_while_it_begins_anew_comes_to_the_same_end(at, given_up, tmp_path, monkeypatch):
+    config = tiny(**HOPELESS, snapshots=(0.1,))
+    left, unlink = at, Path.unlink
+
+    def count():
+        nonlocal left
+        if left == 0:
+            raise Killed
+        left -= 1
+
+    def counted_unlink(path, missing_ok=False):
+        if path.parent in (tmp_path, tmp_path / "snapshots"):
+            count()
+        unlink(path, missing_ok)
+
+    def counted_write(file, content):
+        if file.name == RESTARTS:
+            count()
+        write_json(file, content)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "unlink", counted_unlink)
+        patch.setattr(run_module, "write_json", counted_write)
+        with pytest.raises(Killed):
+            train(config, tmp_path, SEED, every=UPDATE)
+    outcome = train(config, tmp_path, SEED, resume=True)
+    assert outcome.restarts == 2
+    assert outcome.files.weights.read_bytes() == given_up[1].files.weights.read_bytes()
+    untouched = train(tiny(snapshots=(0.1,)), tmp_path / "plain", restarted(SEED, 2))
+    assert load_policy(outcome.snapshots[0.1].weights).sha256 == load_policy(untouched.snapshots[0.1].weights).sha256
+
+
+def test_another_configuration_is_refused_before_the_first_checkpoint_too(tmp_path, monkeypatch):
+    with monkeypatch.context() as patch:
+        press_ctrl_c(patch, OvercookedVecEnv, "step_wait", 3, 4)
+        with pytest.raises(KeyboardInterrupt):
+            train(tiny(), tmp_path, SEED)
+    assert not (tmp_path / "checkpoint.pt").exists()
+    with pytest.raises(CheckpointError, match="epochs was 2, is 3"):
+        train(tiny(epochs=3), tmp_path, SEED, resume=True)
+    assert json.loads((tmp_path / "config.json").read_text())["epochs"] == 2
+
+
+def test_the_time_of_a_run_is_that_of_all_its_legs(tmp_path, monkeypatch):
+    seconds = 0.0
+
+    def clock():
+        nonlocal seconds
+        seconds += 1
+        return seconds
+
+    monkeypatch.setattr("overcooked_bench.baselines.learning.monitor.time.monotonic", clock)
+    legs = []
+    for leg in range(2):
+        with monkeypatch.context() as patch:
+            press_ctrl_c(patch, OvercookedVecEnv, "step_wait", 5)
+            assert train(tiny(), tmp_path, SEED, resume=leg > 0) is None
+        content = json.loads(torch.load(tmp_path / "checkpoint.pt", weights_only=True)["plain"])
+        legs.append(content["memory"]["seconds"])
+    outcome = train(tiny(), tmp_path, SEED, resume=True)
+    assert 0 < legs[0] < legs[1] < outcome.seconds == json.loads((tmp_path / RESULT).read_text())["seconds"]
+
+
+def test_a_finished_run_leaves_as_many_threads_as_it_was_trained_on(tmp_path):
+    """What is measured next has the same rounding as in a run that was not interrupted."""
+    train(tiny(), tmp_path, SEED)
+    torch.set_num_threads(2)
+    train(tiny(), tmp_path, SEED, resume=True)
+    assert torch.get_num_threads() == 1
