@@ -109,7 +109,8 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
 
     See `run` for arguments and errors. Each agent lies in a folder of its own under `output`.
     """
-    development = partner_names((config.development,), config)  # before any training, lest a slip in it comes out late
+    development = partner_names((config.development,), config)
+    load_partners(development, config)  # before any training, lest a slip in them comes out late
     claim(output, config, METHOD, seed, resume)
     initial = config.initial or output.parent / f"initial-{Layout.load(config.layout).name}-{seed}"
     own = self_play_config(config, config.candidate_steps)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from overcooked_bench.scenarios.results import SuiteResult
     from overcooked_bench.scenarios.scenario import Scenario
 
-_SELECT = "ids or their beginnings, categories, families, tags, patterns, files or folders (default: all that ship)"
+_SELECT = "ids or their beginnings, categories, families, tags, patterns, files or folders"
 
 
 def add_scenarios(commands: Any) -> None:
@@ -346,7 +346,9 @@ def _new(options: argparse.Namespace) -> int:
 
 
 def _add_select(parser: argparse.ArgumentParser, nargs: str) -> None:
-    parser.add_argument("select", metavar="SELECT", nargs=nargs, help=_SELECT)
+    parser.add_argument(
+        "select", metavar="SELECT", nargs=nargs, help=_SELECT + " (default: all that ship)" * (nargs == "*")
+    )
 
 
 def _add_seat(parser: argparse.ArgumentParser) -> None:

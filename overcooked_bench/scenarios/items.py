@@ -187,6 +187,6 @@ def _nothing(word: str) -> str:
     near = difflib.get_close_matches(word, [*known, *CATEGORIES], n=3, cutoff=0.4)
     hint = f"did you mean {' or '.join(near)}? " if near else ""
     return (
-        f"no scenario fits {word!r}; {hint}Give an id or its beginning (C04), a category ({', '.join(CATEGORIES)}), a "
+        f"no scenario fits {word!r}; {hint}give an id or its beginning (C04), a category ({', '.join(CATEGORIES)}), a "
         "family, a tag, a pattern with *, or the path of a .yaml file"
     )

@@ -62,10 +62,10 @@ def read_picture(text: str, layout: Layout) -> Picture:
             raise PictureError(f"{len(row)} cells {row!r}; the layout is {layout.width} wide, {layout.rows[y]!r}", y)
         for x, letter in enumerate(row[: layout.width]):
             if letter in CHEFS and letter in chefs:
-                raise PictureError(f"column {x + 1} is {letter!r} a second time; there is one chef {letter}", y)
+                raise PictureError(f"column {x} (from 0) is {letter!r} a second time; there is one chef {letter}", y)
             wrong = _misfit(letter, layout.tile((x, y)))
             if wrong:
-                raise PictureError(f"column {x + 1} is {letter!r}, {wrong}: {layout.rows[y]!r}", y)
+                raise PictureError(f"column {x} (from 0) is {letter!r}, {wrong}: {layout.rows[y]!r}", y)
             if letter in CHEFS:
                 chefs[letter] = x, y
             elif letter in LYING:

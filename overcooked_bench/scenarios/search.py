@@ -170,7 +170,7 @@ class Search:
             if not len(children):
                 return None
             if len(seen) > most:
-                raise TooManyStates(f"no way found within {now + 1 - t} steps and {len(seen)} states")
+                raise TooManyStates(f"no solution found within {now + 1 - t} steps and {len(seen)} states")
             rows, counted = children, child_counts
         return None
 

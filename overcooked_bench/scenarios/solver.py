@@ -47,7 +47,8 @@ def solve(situation: "Situation", limit: int | None = None) -> Solution | None:
         found = search.run(row, counts, situation.behaviour, 0, limit, MOST_STATES)
     except TooManyStates as error:
         raise ScenarioError(
-            f"{situation.scenario.source}: {situation.id}: {error}; give a smaller budget, or ask for less"
+            f"{situation.scenario.source}: {situation.id}: {error}; look whether `accept` and `never` exclude each "
+            "other, give a smaller budget, or ask for less"
         ) from None
     return None if found is None else Solution(len(found.actions), found.actions)
 

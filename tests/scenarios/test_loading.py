@@ -102,7 +102,7 @@ def test_what_is_wrong_is_told_with_its_line(changes, line, message):
 
 
 PICTURES = {
-    "tile": ("  O A O", "  O A X", 6, "column 5 is 'X', but the layout has 'O'"),
+    "tile": ("  O A O", "  O A X", 6, r"column 4 \(from 0\) is 'X', but the layout has 'O'"),
     "chef_in_wall": ("  O A O", "  A   O", 6, "chefs stand on the floor"),
     "thing_on_floor": ("  O A O", "  Oo AO", 6, "lies on a counter"),
     "two_chefs": ("  X  BX", "  X AAX", 7, "second time"),
