@@ -103,6 +103,14 @@ step.{f" Not measured, since no interpreter was given: {', '.join(absent)}." if 
 """
 
 
+def on_one_core() -> bool:
+    """Keeps this process, and the programs that it starts, on one core; tells whether the system can."""
+    if not hasattr(os, "sched_setaffinity"):
+        return False
+    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    return True
+
+
 def main() -> None:
     """Measures what the command line names."""
     parser = argparse.ArgumentParser(description="Measures other implementations of the kitchen beside ours.")
@@ -117,9 +125,7 @@ def main() -> None:
         Peer("overcooked-ai", "with_overcooked_ai.py", arguments.overcooked_ai_python, kitchens=(1,)),
         Peer("JaxMARL", "with_jaxmarl.py", arguments.jaxmarl_python),
     ]
-    pinned = hasattr(os, "sched_setaffinity")
-    if pinned:  # inherited by the programs
-        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    pinned = on_one_core()
     for turn in range(arguments.turns):
         for peer in peers:
             print(f"turn {turn + 1} of {arguments.turns}: {peer.name}", file=sys.stderr, flush=True)

@@ -12,6 +12,7 @@ from tests.benchmarks.results import (
     training_table,
     write_section,
 )
+from tests.benchmarks.time_to_return import Run, Trainer, times_table
 
 
 def test_a_section_is_written_between_its_markers_and_the_others_stay(tmp_path):
@@ -25,6 +26,29 @@ def test_a_section_is_written_between_its_markers_and_the_others_stay(tmp_path):
     assert "theirs\n" in path.read_text()
     with pytest.raises(ValueError, match=r"RESULTS\.md has no markers '<!-- memory: begin -->'"):
         write_section("memory", "", path)
+
+
+def runs(*seconds):
+    return {"forced_coordination": [Run(10.0, value, 1_500_000) for value in seconds]}
+
+
+@pytest.mark.parametrize(
+    ("theirs", "told"),
+    [
+        ((60.0, 70.0, 80.0), "70 s (60 to 80) | 1.50 M (1.50 to 1.50) | we take 0.57 of it, at most 0.8: met |"),
+        ((45.0, None, 45.0), "45 s (45 to 45), 1 of 3 not | 1.50 M (1.50 to 1.50), 1 of 3 not | we take 0.89 of it, "),
+        (
+            (None, 45.0, None),
+            "not reached (45 to 45), 2 of 3 not | not reached (1.50 to 1.50), 2 of 3 not | at most 0.8",
+        ),
+    ],
+)
+def test_a_time_to_a_return_is_judged_by_the_medians(theirs, told):
+    ours = Trainer("ours", "", "", "1, fast", runs(30.0, 40.0, 50.0))
+    first, second = times_table([ours, Trainer("theirs", "", "", "2", runs(*theirs))], 160.0).splitlines()[-2:]
+    cells = ["10 s (10 to 10)", "30 s (20 to 40)", "40 s (30 to 50)", "1.50 M (1.50 to 1.50)", "-"]
+    assert first == f"| forced_coordination: ours 1, fast | {' | '.join(cells)} |"
+    assert told in second
 
 
 def kitchens(what, median, best):
