@@ -5,6 +5,7 @@ import re
 import shlex
 import subprocess
 import sys
+from importlib import import_module
 from xml.etree import ElementTree
 
 import hypothesis  # noqa: F401
@@ -46,11 +47,23 @@ def half(layout, training_seed):
 """
 
 
+@pytest.fixture(autouse=True)
+def nothing_is_solved_yet(monkeypatch):
+    """Other tests of the same process may have solved these scenarios, and what was solved is remembered."""
+    monkeypatch.setattr("overcooked_bench.scenarios.lock._SOLVED", {})
+
+
 @pytest.fixture(scope="module", autouse=True)
 def loaded():
     """An inner run forgets all modules that it was the first to import, and numba cannot be loaded twice."""
     explaining.explain(run_items(player(0.0), items([scenario(POT)]))[0], "player")
     solve(scenario(POT).seated(0), 3)
+
+
+@pytest.fixture(scope="module")
+def networks():
+    """Torch is there before pytester is, which forgets what was imported since."""
+    return import_module("overcooked_bench.agents.neural")
 
 
 @pytest.fixture
@@ -286,10 +299,8 @@ def test_a_module_binds_scenarios_and_a_pair_is_one_item(kitchens):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("networks")
 def test_an_agent_that_does_not_know_a_kitchen_has_not_attempted_it(kitchens):
-    from overcooked_bench.agents import neural
-
-    assert neural, "loaded before the inner run, as all that cannot be loaded twice"
     done = run(kitchens, "--agent", "dev-v0/cramped_room/sp-0", "--mode", "greedy", "--repeats", "2", "-k", "seat0")
     done.stdout.fnmatch_lines(
         [
