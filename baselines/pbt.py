@@ -191,8 +191,9 @@ def _first_agents(config: Config, output: Path, seed: int) -> list[Path]:
     for k, folder in enumerate(folders):
         if not policy_files(folder / POLICY).architecture.exists():
             model = make_learner(config, make_env(config), part_of(seed, f"untrained {k}"))
-            freeze(folder / POLICY, model, config)
+            folder.mkdir(parents=True, exist_ok=True)
             torch.save(_learned(model), folder / CHECKPOINT)
+            freeze(folder / POLICY, model, config)  # at last: it says that the agent is there
     return folders
 
 

@@ -7,8 +7,6 @@ again; what comes out depends on the configuration alone, not on stops, processe
 
 import json
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict
 from importlib import import_module
 from math import ceil
@@ -22,6 +20,7 @@ from overcooked_bench.agents.policy import PolicyFiles, load_policy, policy_file
 from overcooked_bench.agents.records import AgentRecord, Manifest, PoolAgent
 from overcooked_bench.evaluation.profile import Measured, measure
 
+from .learning.locks import locked
 from .learning.run import CONFIG_FILE, Outcome, read_json, write_json
 from .methods import METHODS
 from .pool_config import EARLY, FINAL, HALF, Kind, PoolConfig, Run
@@ -192,30 +191,3 @@ def _manifest(pool: Path) -> Manifest | None:
 
 def _bare(agent: PoolAgent) -> AgentRecord:
     return AgentRecord(**{name: getattr(agent, name) for name in AgentRecord.__struct_fields__})
-
-
-@contextmanager
-def locked(folder: Path, wait: bool = True) -> Iterator[bool]:
-    """Keeps other builds out of a folder, where the system can.
-
-    Args:
-        folder: Is made.
-        wait: Whether to wait for others to leave it.
-
-    Yields:
-        Whether it is ours.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    try:
-        import fcntl
-    except ImportError:  # Windows
-        yield True
-        return
-    held = os.open(folder, os.O_RDONLY)
-    try:
-        fcntl.flock(held, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-        yield True
-    except BlockingIOError:
-        yield False
-    finally:
-        os.close(held)

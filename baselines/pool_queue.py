@@ -22,7 +22,8 @@ from typing import Any, Final
 
 from overcooked_bench.agents.pool import PoolError
 
-from .pool_build import PoolBuildError, locked, missing, publish, train_run
+from .learning.locks import locked
+from .pool_build import PoolBuildError, missing, publish, train_run
 from .pool_config import PoolConfig, PoolConfigError, Run, load_pool_config
 
 LOG: Final = "log.txt"

@@ -23,13 +23,15 @@ from overcooked_bench.agents.policy import Policy, load_policy, policy_files
 from overcooked_bench.kitchen.layout import Layout
 
 from .learning.algorithms import make_learner
+from .learning.checkpoint import CheckpointError
 from .learning.command import main_of
 from .learning.inputs import spreader
 from .learning.learner import Learner
+from .learning.locks import alone
 from .learning.partners import load_partners, partner_names, returns_with
 from .learning.parts import begun, loaded, self_play_agents
 from .learning.pressure import Pressure
-from .learning.run import POLICY, Outcome, claim, make_env, read_json, run, write_json
+from .learning.run import POLICY, Outcome, claim, label, make_env, read_json, run, write_json
 from .learning.seeds import part_of
 from .learning.settings import PartnerSettings, check_draws
 from .pretrained_partners import self_play_config
@@ -112,9 +114,13 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
     development = partner_names((config.development,), config)
     load_partners(development, config)  # before any training, lest a slip in them comes out late
     claim(output, config, METHOD, seed, resume)
-    initial = config.initial or output.parent / f"initial-{Layout.load(config.layout).name}-{seed}"
+    initial = config.initial or output.parent / f"initial-{label(config.layout)}-{seed}"
     own = self_play_config(config, config.candidate_steps)
-    candidates = self_play_agents([own] * config.candidates, initial, seed, every)
+    try:
+        with alone(initial):
+            candidates = self_play_agents([own] * config.candidates, initial, seed, every)
+    except CheckpointError as error:
+        raise CheckpointError(f"{error}, or another --initial for the initial agents") from None
     if candidates is None:
         return None
     chosen = _choose(config, [one.files.weights for one in candidates], development, output)

@@ -35,13 +35,13 @@ class Config(PartnerSettings):
     """Trains one policy against a population of frozen self-play agents."""
 
     pool: str = ""
-    """A pool whose agents are the population; empty trains one."""
+    """A pool whose agents are the population, instead of `agents` that are trained for it; empty trains them."""
     agents: int = 8
     """Self-play agents to train where no pool is given."""
     agent_steps: int = 1_000_000
     """Joint steps of each of them."""
     checkpoints: bool = True
-    """Whether their untrained and half-trained policies are partners too (fictitious co-play)."""
+    """Whether their untrained and half-trained policies, or a pool's, are partners too (fictitious co-play)."""
     per_episode: int = 3
     """How many partners are drawn for each episode."""
 
@@ -72,9 +72,13 @@ def self_play_config(config: PartnerSettings, steps: int, snapshots: tuple[float
 def population(config: Config, output: Path, seed: int, every: int) -> tuple[list[Policy], tuple[Outcome, ...]] | None:
     """Gives the partners and the runs they were trained in, now if need be; None where that was interrupted."""
     if config.pool:
-        names = partner_names((config.pool,), config)
-        agents = load_partners(names, config)
-        return [policy for agent in agents if isinstance(agent, NeuralAgent) for policy in agent.policies], ()
+        names = partner_names((config.pool,), config, only_final=not config.checkpoints)
+        policies: list[Policy] = []
+        for name, agent in zip(names, load_partners(names, config), strict=True):
+            if not isinstance(agent, NeuralAgent):
+                raise UnfitError(f"{name!r} is no frozen policy; give a pool, or train against it by best-response")
+            policies += agent.policies
+        return policies, ()
     own = self_play_config(config, config.agent_steps, MOMENTS if config.checkpoints else ())
     outcomes = self_play_agents([own] * config.agents, output / "partners", seed, every)
     if outcomes is None:

@@ -19,7 +19,7 @@ from overcooked_bench.kitchen.layout import Layout, LayoutError
 from ..presets import PresetError, checked, config_names, named_settings
 from .checkpoint import CheckpointError
 from .freeze import Returns
-from .run import SUMMARY, Outcome, UnfitError, write_json
+from .run import SUMMARY, Outcome, UnfitError, label, write_json
 from .seeds import USER, derive_seed
 from .settings import Settings
 
@@ -59,9 +59,8 @@ def main_of(method: str, kind: type[AnySettings], train: Callable[..., Outcome |
     try:
         settings = kind(**options)
         layout = Layout.load(settings.layout).name
-        label = layout if "\n" not in layout else "custom"
         chosen_name = f"-{name.replace(',', '-')}" if name else ""
-        output = output or Path("runs") / f"{method}{chosen_name}-{label}-{settings.seed}"
+        output = output or Path("runs") / f"{method}{chosen_name}-{label(settings.layout)}-{settings.seed}"
         held = output.is_dir() and any(output.iterdir())
         if held and not resume:
             raise CheckpointError(

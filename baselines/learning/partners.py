@@ -19,8 +19,13 @@ from .freeze import Returns
 from .settings import Settings
 
 
-def partner_names(given: Sequence[str], settings: Settings) -> tuple[str, ...]:
+def partner_names(given: Sequence[str], settings: Settings, only_final: bool = False) -> tuple[str, ...]:
     """Spells out the partners: a pool's name or folder stands for all its agents on the layout.
+
+    Args:
+        given: Pools, and whatever else `load_agent` takes.
+        settings: The learner's.
+        only_final: Leaves out the agents of a pool that were saved on the way.
 
     Raises:
         PoolError: A pool is damaged, has no agents here, or is of another cooking mode.
@@ -36,7 +41,8 @@ def partner_names(given: Sequence[str], settings: Settings) -> tuple[str, ...]:
             raise PoolError(f"pool {name!r} is of cooking {pool.cooking!r}; train with --cooking {pool.cooking}")
         if not pool.agents(layout):
             raise PoolError(f"pool {name!r} has no agents for {layout!r}; its layouts are {', '.join(pool.layouts)}")
-        names += [f"{name}/{layout}/{agent.name}" for agent in pool.agents(layout)]
+        agents = [agent for agent in pool.agents(layout) if agent.trained == 1 or not only_final]
+        names += [f"{name}/{layout}/{agent.name}" for agent in agents]
     return tuple(names)
 
 

@@ -14,6 +14,7 @@ from stable_baselines3.common.logger import Logger, make_output_format
 
 from overcooked_bench.agents.policy import PolicyFiles, policy_files
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
+from overcooked_bench.kitchen.layout import Layout
 
 from .algorithms import AnyLearner
 from .checkpoint import CheckpointError, check_same, load_checkpoint, save_checkpoint
@@ -181,6 +182,12 @@ def run(
     numbers = {"steps": outcome.steps, "seconds": seconds, "restarts": outcome.restarts, "returns": returns.tolist()}
     write_json(output / RESULT, numbers)
     return outcome
+
+
+def label(layout: str) -> str:
+    """Gives a layout's name as a folder can have it: "custom" where it is a grid."""
+    name = Layout.load(layout).name
+    return "custom" if "\n" in name else name
 
 
 def resolved_config(settings: Settings, method: str, seed: int, told: dict[str, Any] | None = None) -> dict[str, Any]:

@@ -4,6 +4,7 @@ import json
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -11,13 +12,16 @@ import pytest
 
 from overcooked_bench import cli
 from overcooked_bench.agents.policy import load_policy
+from overcooked_bench.baselines import pbt, population, pretrained_partners
+from overcooked_bench.baselines.learning.checkpoint import CheckpointError
+from overcooked_bench.baselines.learning.run import write_json
 from overcooked_bench.baselines.learning.seeds import USER, derive_seed
 from overcooked_bench.baselines.methods import METHODS
 from overcooked_bench.baselines.presets import config_class
 from overcooked_bench.cli import main as command
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 from tests.baselines.learning.test_checkpoint import press_ctrl_c
-from tests.baselines.tiny import SETTINGS, UPDATE
+from tests.baselines.tiny import SETTINGS, UPDATE, learned, same
 
 OWN = {
     "self-play": {"object_probability": 0.5, "observation": "stack_channels"},
@@ -35,6 +39,8 @@ OWN = {
 LEGS = {"best-response": ({"algorithm": "a2c"}, {"algorithm": "dqn"})}
 CASES = [(method, {}) for method in METHODS] + [(method, own) for method, several in LEGS.items() for own in several]
 IDS = ["-".join([method, *own.values()]) for method, own in CASES]
+
+TOMATOES = "XXPXX\nT1 2O\nX   X\nXDXSX"
 
 
 def settings(method, others=None):
@@ -175,12 +181,60 @@ def test_the_weights_of_events_belong_to_the_seed(whole):
         (["self-play", "--config", "thesis,stack_chanels"], "did you mean 'stack_channels'"),
         (["population", "--development", "dev-v9"], "dev-v9"),
         (["pretrained-partners", "--pool", "dev-v9"], "dev-v9"),
+        (["pretrained-partners", "--pool", "greedy"], "'greedy' is no frozen policy"),
+        (["pbt", "--layout", TOMATOES, "--agents", "2", "--rounds", "2"], "use 'lossless26'"),
+        (["population", "--layout", TOMATOES, "--development", "greedy"], "use 'lossless26'"),
+        (["self-play", "--device", "cuda"], "give --device cpu"),
+        (["pbt", "--device", "cuda", "--agents", "2", "--rounds", "2"], "give --device cpu"),
     ],
 )
-def test_mistakes_are_answered_without_a_traceback(arguments, told, tmp_path, capsys):
+def test_mistakes_are_answered_without_a_traceback(arguments, told, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("torch.cuda.is_available", lambda: False)
     method, *rest = arguments
     sizes = [
         f"--{name.replace('_', '-')}={SETTINGS[name]}" for name in ("steps", "num_kitchens", "rollout", "minibatches")
     ]
     assert command(["train", method, "--layout", "cramped_room", *sizes, *rest, "--output", str(tmp_path / "run")]) == 2
     assert told in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_population_is_trained_again_where_it_was_killed_before_the_first_round(tmp_path, monkeypatch):
+    config, seed = settings("pbt"), 3
+    with monkeypatch.context() as patch:
+        patch.setattr("torch.save", lambda *_: pytest.fail("killed"))
+        with pytest.raises(pytest.fail.Exception, match="killed"):
+            pbt._first_agents(config, tmp_path, seed)
+    folders = pbt._first_agents(config, tmp_path, seed)
+    again = pbt._first_agents(config, tmp_path / "again", seed)
+    for ours, theirs in zip(folders, again, strict=True):
+        assert load_policy(ours / "policy").sha256 == load_policy(theirs / "policy").sha256
+        assert same(learned(ours / "checkpoint.pt"), learned(theirs / "checkpoint.pt"))
+
+
+def test_the_initial_agents_of_a_kitchen_without_a_name_lie_in_a_folder_with_one(tmp_path, monkeypatch):
+    def trained(configs, folder, seed, every):
+        assert folder.parent == tmp_path
+        assert folder.name == "initial-custom-7"
+
+    monkeypatch.setattr(population, "self_play_agents", trained)
+    config = replace(settings("population"), layout=TOMATOES.replace("T", "O"), development="greedy")
+    assert population.train(config, tmp_path / "run", 7) is None
+
+
+def test_initial_agents_of_other_settings_are_told_by_the_name_of_their_option(tmp_path):
+    config = settings("population")
+    initial = tmp_path / "initial-cramped_room-7" / "sp-0"
+    initial.mkdir(parents=True)
+    write_json(initial / "config.json", {})
+    with pytest.raises(CheckpointError, match="--initial"):
+        population.train(config, tmp_path / "run", 7)
+
+
+def test_without_checkpoints_a_pool_gives_its_final_agents_alone(tmp_path):
+    config = settings("pretrained-partners", {"pool": "train-v1", "agents": 1})
+    with_them, without = (
+        pretrained_partners.population(replace(config, checkpoints=on), tmp_path, 0, UPDATE)[0] for on in (True, False)
+    )
+    assert not any(policy.name.endswith(("-half", "-early")) for policy in without)
+    assert 3 * len(without) == len(with_them)

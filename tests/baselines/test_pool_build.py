@@ -8,7 +8,7 @@ import pytest
 
 from overcooked_bench.agents.pool import Pool
 from overcooked_bench.baselines import pool_build, pool_queue
-from overcooked_bench.baselines.pool_build import PoolBuildError, locked, missing, publish, train_run
+from overcooked_bench.baselines.pool_build import PoolBuildError, missing, publish, train_run
 from overcooked_bench.baselines.pool_queue import main
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 from tests.baselines.learning.test_checkpoint import press_ctrl_c
@@ -126,15 +126,6 @@ def test_another_configurations_run_is_not_published(built, tmp_path):
     with pytest.raises(PoolBuildError, match="kept other agents"):
         publish(run, folder, tmp_path / "pool")
     assert not (tmp_path / "pool").exists()
-
-
-def test_one_build_at_a_time(tmp_path):
-    with locked(tmp_path / "run", wait=False) as ours:
-        assert ours
-        with locked(tmp_path / "run", wait=False) as theirs:
-            assert not theirs
-    with locked(tmp_path / "run", wait=False) as again:
-        assert again
 
 
 def test_the_command_publishes_what_is_there(built, tmp_path, capsys, monkeypatch):
