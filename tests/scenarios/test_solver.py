@@ -114,7 +114,7 @@ def test_a_search_that_grows_too_large_is_given_up(monkeypatch):
     situation = scenario(YIELD).seated(0)
     search = search_for(situation)
     start = search.row(situation.state), search.no_counts()
-    with pytest.raises(TooManyStates, match=r"no way found within \d steps and \d+ states"):
+    with pytest.raises(TooManyStates, match=r"no solution found within \d steps and \d+ states"):
         search.run(*start, situation.behaviour, 0, 7, most=10)
     monkeypatch.setattr("overcooked_bench.scenarios.solver.MOST_STATES", 10)
     with pytest.raises(ScenarioError, match=r"T01-yield-seat0: no solution found .* give a smaller budget"):
