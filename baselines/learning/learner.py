@@ -123,8 +123,8 @@ class Learner(PPO):
             callback.update_locals(locals())
             if not callback.on_step():
                 return False
-            self._update_info_buffer(infos, dones)
             if dones.any():
+                self._update_info_buffer(infos, dones)
                 last = np.stack([info["terminal_observation"] for info in infos])
                 rewards = rewards + self.gamma * self._values(last) * dones
             rollout_buffer.put(seen, actions, rewards, self._last_episode_starts, values, logs)  # type: ignore[arg-type]
