@@ -20,7 +20,7 @@ Returns = np.ndarray[tuple[int], np.dtype[np.float64]]
 
 
 GREEDINESS: Final = 100.0
-"""Values of actions become log-probabilities times this, so that sampling takes the best one almost always."""
+"""Values of actions, less their mean, become log-probabilities times this: sampling takes the best one almost always."""
 
 
 def freeze(stem: Path, model: BaseAlgorithm, settings: Settings) -> PolicyFiles:
@@ -48,7 +48,9 @@ def _actor_weights(model: BaseAlgorithm) -> dict[str, torch.Tensor]:
     assert isinstance(model, DQN)
     trunk, values = model.q_net.features_extractor, model.q_net.q_net[-1]
     assert isinstance(trunk, Trunk)
-    action = {f"action.{part}": GREEDINESS * getattr(values, part) for part in ("weight", "bias")}
+    parts = {"weight": values.weight, "bias": values.bias}
+    # what all actions have in common says nothing, and would take the digits that float16 has
+    action = {f"action.{part}": GREEDINESS * (tensor - tensor.mean(0)) for part, tensor in parts.items()}
     return {name: tensor.detach().cpu().clone() for name, tensor in (trunk.weights() | action).items()}
 
 
