@@ -1,6 +1,7 @@
-"""Biased self-play: each chef is also paid for events of its own, by weights drawn once for a run.
+"""Biased self-play: each chef is also paid for events of its own, by weights that each run draws.
 
-The agents come out with habits: they like or avoid onions, dishes, counters. They make partners, not scores.
+The agents come out with habits: they like or avoid onions, dishes, counters. They make partners, not scores. Who learns
+nothing but to avoid is no partner either, so a run that hardly delivers begins anew with another seed and other weights.
 
 Source: Yu et al. 2023, hidden-utility self-play (HSP), whose biased policies are self-play agents under event-weighted
 rewards. The events and weights are our own: a liked event pays less than a soup brings in the time it takes.
@@ -17,7 +18,7 @@ from .learning.algorithms import make_learner
 from .learning.command import main_of
 from .learning.learner import Learner
 from .learning.run import Outcome, UnfitError, make_env, run
-from .learning.seeds import part_of
+from .learning.seeds import part_of, restarted
 from .learning.settings import Settings
 
 METHOD: Final = "biased-self-play"
@@ -33,7 +34,13 @@ class Config(Settings):
     )
     """Events that a chef may be paid for, by the names of the reference kitchen."""
     bias_weights: tuple[float, ...] = (-1.0, 0.0, 0.5)
-    """What an event may pay, in points; each event's weight is drawn from these, uniformly, by the run's seed."""
+    """What an event may pay, in points; each event's weight is drawn from these, uniformly, by the attempt's seed."""
+    check_share: float = 0.7
+    """Share of the steps after which a run that delivers too little is restarted with a derived seed; 0 never."""
+    check_soups: float = 1.0
+    """Soups of an episode, on average, that the check asks for."""
+    restarts: int = 8
+    """Restarts at most; the last attempt goes on whatever the check says."""
 
     def __post_init__(self) -> None:
         """Checks the bias too.
@@ -47,7 +54,7 @@ class Config(Settings):
 
 
 def event_weights(config: Config, seed: int) -> dict[str, float]:
-    """Draws the points that each event pays; never none at all."""
+    """Draws the points that each event pays from the seed of an attempt; never none at all."""
     rng = np.random.default_rng(part_of(seed, "event weights"))
     for _ in range(1000):
         drawn = rng.choice(config.bias_weights, len(config.biased_events))
@@ -58,12 +65,14 @@ def event_weights(config: Config, seed: int) -> dict[str, float]:
 
 def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:
     """Trains, freezes and evaluates one policy; see `run` for arguments, result and errors."""
-    weights = event_weights(config, seed)
+    attempts = 1 + (config.restarts if config.check_share else 0)
+    weights = {own: event_weights(config, own) for own in (restarted(seed, k) for k in range(attempts))}
 
     def make(seed: int) -> Learner:
-        return make_learner(config, make_env(config, self_play=True, event_rewards=weights), seed)
+        return make_learner(config, make_env(config, self_play=True, event_rewards=weights[seed]), seed)
 
-    return run(config, METHOD, output, seed, make, resume=resume, every=every, told={"event_rewards": weights})
+    told = {"event_rewards": list(weights.values())}  # of each attempt
+    return run(config, METHOD, output, seed, make, resume=resume, every=every, told=told)
 
 
 def main(arguments: list[str]) -> int:

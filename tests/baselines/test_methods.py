@@ -12,7 +12,7 @@ import pytest
 
 from overcooked_bench import cli
 from overcooked_bench.agents.policy import load_policy
-from overcooked_bench.baselines import pbt, population, pretrained_partners
+from overcooked_bench.baselines import biased_self_play, pbt, population, pretrained_partners
 from overcooked_bench.baselines.learning.checkpoint import CheckpointError
 from overcooked_bench.baselines.learning.run import write_json
 from overcooked_bench.baselines.learning.seeds import USER, derive_seed
@@ -165,10 +165,28 @@ def test_every_method_says_what_it_can_be_told(capsys):
 def test_the_weights_of_events_belong_to_the_seed(whole):
     folder, _ = whole("biased-self-play", {})
     config = json.loads((folder / "config.json").read_text())
-    weights = config["event_rewards"]
-    assert set(weights) == set(config["biased_events"])
-    assert set(weights.values()) <= set(config["bias_weights"])
-    assert any(weights.values())
+    drawn = config["event_rewards"]
+    assert len(drawn) == 1 + config["restarts"]
+    assert len({tuple(weights.values()) for weights in drawn}) > 1
+    for weights in drawn:
+        assert set(weights) == set(config["biased_events"])
+        assert set(weights.values()) <= set(config["bias_weights"])
+        assert any(weights.values())
+
+
+def test_a_biased_run_that_does_not_deliver_begins_anew_with_other_weights(tmp_path, monkeypatch):
+    paid = []
+
+    def make_env(config, **others):
+        paid.append(others["event_rewards"])
+        return real(config, **others)
+
+    real = biased_self_play.make_env
+    monkeypatch.setattr(biased_self_play, "make_env", make_env)
+    hopeless = {"horizon": UPDATE // SETTINGS["num_kitchens"], "check_soups": 30.0, "check_share": 0.5, "restarts": 2}
+    outcome = run("biased-self-play", hopeless, tmp_path)
+    assert outcome.restarts == 2
+    assert paid == json.loads((tmp_path / "config.json").read_text())["event_rewards"]
 
 
 @pytest.mark.parametrize(
