@@ -1,7 +1,7 @@
 """Biased self-play: each chef is also paid for events of its own, by weights that each run draws.
 
-The agents come out with habits: they like or avoid onions, dishes, counters. They make partners, not scores. Who learns
-nothing but to avoid is no partner either, so a run that hardly delivers begins anew with another seed and other weights.
+The agents come out with habits: they like or avoid onions, dishes, counters. They make partners, not scores. Who only
+learns to avoid is no partner either: a run that hardly delivers begins anew with another seed and other weights.
 
 Source: Yu et al. 2023, hidden-utility self-play (HSP), whose biased policies are self-play agents under event-weighted
 rewards. The events and weights are our own: a liked event pays less than a soup brings in the time it takes.

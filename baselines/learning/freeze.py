@@ -20,7 +20,7 @@ Returns = np.ndarray[tuple[int], np.dtype[np.float64]]
 
 
 GREEDINESS: Final = 100.0
-"""Values of actions, less their mean, become log-probabilities times this: sampling takes the best one almost always."""
+"""Values of actions, less their mean, become log-probabilities times this: sampling nearly always takes the best."""
 
 
 def freeze(stem: Path, model: BaseAlgorithm, settings: Settings) -> PolicyFiles:
