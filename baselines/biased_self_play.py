@@ -1,10 +1,11 @@
 """Biased self-play: each chef is also paid for events of its own, by weights that each run draws.
 
-The agents come out with habits: they like or avoid onions, dishes, counters. They make partners, not scores. Who only
-learns to avoid is no partner either: a run that hardly delivers begins anew with another seed and other weights.
+The agents come out with habits: they like or avoid onions, dishes, counters. They make partners, not scores. What the
+events pay grows while partial rewards fade, lest who is to avoid dishes never learns to serve; a run that hardly delivers
+all the same begins anew with another seed and other weights.
 
 Source: Yu et al. 2023, hidden-utility self-play (HSP), whose biased policies are self-play agents under event-weighted
-rewards. The events and weights are our own: a liked event pays less than a soup brings in the time it takes.
+rewards. Events, weights and their growth are our own: a liked event pays less than a soup brings in the time it takes.
 """
 
 import sys
@@ -51,6 +52,13 @@ class Config(Settings):
         Settings.__post_init__(self)
         if not self.biased_events or not self.bias_weights:
             raise ValueError("biased_events and bias_weights need at least one entry each; without bias use self-play")
+
+    def event_share_at(self, done: int) -> float:
+        """Gives the share of what events pay besides, after `done` joint steps.
+
+        It is 0 until half of the partial rewards has faded, and grows to 1 while the other half fades.
+        """
+        return max(0.0, 1 - 2 * self.shaping_at(done))
 
 
 def event_weights(config: Config, seed: int) -> dict[str, float]:

@@ -42,6 +42,8 @@ METHOD: Final = "pbt"
 ROUNDS: Final = "rounds.json"
 """What each round measured and changed."""
 MUTABLE: Final = ("learning_rate", "entropy_start", "value_coefficient", "clip")
+"""Hyperparameters that copies mutate; where one is the start of a schedule, its end changes by the same factor."""
+_ENDS: Final = {"learning_rate": "learning_rate_end", "entropy_start": "entropy_end"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,6 +78,11 @@ class Config(PartnerSettings):
             raise ValueError(
                 f"rounds={self.rounds} of {self.steps // self.rounds} steps with {self.agents} agents; a round needs "
                 f"two updates, {least} joint steps, and each agent a kitchen"
+            )
+        if self.check_share or self.snapshots:
+            raise ValueError(
+                f"check_share={self.check_share}, snapshots={self.snapshots}; leave both out: a population replaces "
+                "who learns too little, and keeps the policies of every round"
             )
 
 
@@ -131,7 +138,15 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
     final = policy_files(output / POLICY)
     others = loaded([leg.files for k, leg in enumerate(outcomes) if k != best])
     with_partners = returns_with(final, others, config, max(1, 100 // len(others)))
-    return Outcome(final, returns_with_itself(final, config), 0, 0.0, with_partners=with_partners, parts=tuple(legs))
+    column = legs[best :: config.agents]  # as long as those of the agents it is a copy of
+    return Outcome(
+        final,
+        returns_with_itself(final, config),
+        sum(leg.steps for leg in column),
+        sum(leg.seconds for leg in column),
+        with_partners=with_partners,
+        parts=tuple(leg for k, leg in enumerate(legs) if k % config.agents != best),
+    )
 
 
 def pairwise(files: list[PolicyFiles], config: Config) -> NDArray[np.float64]:
@@ -185,6 +200,16 @@ def exploit(
     return source, after
 
 
+def scheduled(hyper: dict[str, float], config: Config) -> dict[str, float]:
+    """Gives hyperparameters with the ends of their schedules, which keep their proportion to the starts."""
+    ends = {
+        end: getattr(config, end) * (hyper[start] / getattr(config, start))
+        for start, end in _ENDS.items()
+        if getattr(config, start)
+    }
+    return {**hyper, **ends}
+
+
 def _first_agents(config: Config, output: Path, seed: int) -> list[Path]:
     """Freezes the untrained agents, so that the first round has partners."""
     folders = [output / "untrained" / f"agent-{k}" for k in range(config.agents)]
@@ -209,7 +234,7 @@ def _learn(
 ) -> Outcome | None:
     steps = config.steps // config.rounds
     own = {field: getattr(config, field) for field in PartnerSettings.__dataclass_fields__}
-    leg = Leg(**own | hyper | {"steps": steps, "check_share": 0.0}, begun=number * steps, whole=config.steps)
+    leg = Leg(**own | scheduled(hyper, config) | {"steps": steps}, begun=number * steps, whole=config.steps)
 
     def make(seed: int) -> Learner:
         partners = Ensemble([load_policy(parent / POLICY) for parent in parents])

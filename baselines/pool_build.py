@@ -51,8 +51,8 @@ def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
     outcome: Outcome | None = train(run.settings, folder, run.seed, resume=(folder / CONFIG_FILE).exists(), every=every)
     if outcome is None:
         return False
-    training = {**json.loads((folder / CONFIG_FILE).read_text()), "restarted": outcome.restarts}
-    if not outcome.restarts:
+    training = {**json.loads((folder / CONFIG_FILE).read_text()), "restarted": outcome.total_restarts}
+    if not outcome.total_restarts:
         del training["restarted"]
     entries = []
     for kind, (files, done, found) in _keep(run, outcome).items():
@@ -74,7 +74,7 @@ def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
         )
         stem = files.weights.with_suffix("").relative_to(folder).as_posix()
         entries.append({"policy": stem, "record": msgspec.to_builtins(record)})
-    write_json(folder / AGENTS_FILE, {"seconds": round(outcome.seconds, 1), "agents": entries})
+    write_json(folder / AGENTS_FILE, {"seconds": round(outcome.total_seconds, 1), "agents": entries})
     return True
 
 

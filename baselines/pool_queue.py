@@ -15,6 +15,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, field
+from multiprocessing import resource_tracker
 from multiprocessing.connection import wait
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
@@ -146,7 +147,7 @@ def _settle(run: Run, code: int | None, folder: Path, pool: Path, result: Result
     elif code == _TAKEN:
         say(f"{run.path}: another build is at it")
         result.taken.append(run.path)
-    elif code == _STOPPED:
+    elif code in (_STOPPED, -signal.SIGINT):  # the latter before it could save, or had to
         result.stopped = True
     else:
         say(f"{run.path}: failed ({_last_line(folder / LOG)})")
@@ -163,29 +164,36 @@ def _start(run: Run, folder: Path, every: int) -> SpawnProcess:
 
 
 class _deaf(AbstractContextManager[None]):
-    """Ignores Ctrl-C for a moment, so that a new process begins with that."""
+    """Keeps Ctrl-C waiting for a moment; a process that is made meanwhile begins with that, and `_listen` ends it."""
 
     def __enter__(self) -> None:
-        self._before: Any = signal.SIG_DFL
-        with suppress(ValueError):  # not in the main thread
-            self._before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+        if hasattr(signal, "pthread_sigmask"):
+            resource_tracker.ensure_running()  # else it is started with the process, and lets signals through
+            self._before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
     def __exit__(self, *_: object) -> None:
-        with suppress(ValueError):
-            signal.signal(signal.SIGINT, self._before)
+        if hasattr(signal, "pthread_sigmask"):
+            signal.pthread_sigmask(signal.SIG_SETMASK, self._before)
+
+
+def _listen() -> None:
+    """Takes Ctrl-C from now on, one that came before too."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
 
 def _work(run: Run, folder: Path, every: int) -> None:
     """What the process of a run does."""
     if hasattr(os, "setpgrp"):
         os.setpgrp()
-    signal.signal(signal.SIGINT, signal.default_int_handler)
     threading.Thread(target=_follow_parent, daemon=True).start()
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / LOG).open("a", encoding="utf-8") as log:
         os.dup2(log.fileno(), 1)
         os.dup2(log.fileno(), 2)
     try:
+        _listen()
         with locked(folder, wait=False) as ours:
             code = _TAKEN
             if ours:

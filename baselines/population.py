@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.agents.ensemble import SampledPartners
+from overcooked_bench.agents.manifest import PoolError
 from overcooked_bench.agents.policy import Policy, load_policy, policy_files
 from overcooked_bench.kitchen.layout import Layout
 
@@ -67,8 +68,8 @@ class Config(PartnerSettings):
     """Of the divergence as a term of the objective."""
     loss_clip: float = 0.0
     """That term of one sample at most."""
-    development: str = "dev-v0"
-    """The pool by which the initial agents are told apart; never the one that scores."""
+    development: str = "dev-v1"
+    """The pool, or another partner, by which the initial agents are told apart; never the pool that scores."""
     initial: Path | None = None
     """Where the candidates lie, for all configurations of one seed; beside the run's folder by default."""
 
@@ -111,7 +112,10 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
 
     See `run` for arguments and errors. Each agent lies in a folder of its own under `output`.
     """
-    development = partner_names((config.development,), config)
+    try:
+        development = partner_names((config.development,), config)
+    except PoolError as error:
+        raise PoolError(f"{error}; or choose other development partners by --development") from error
     load_partners(development, config)  # before any training, lest a slip in them comes out late
     claim(output, config, METHOD, seed, resume)
     initial = config.initial or output.parent / f"initial-{label(config.layout)}-{seed}"

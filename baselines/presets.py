@@ -1,7 +1,7 @@
 """Named configurations of the training methods: `configs/<method>.yaml`, a mapping from names to settings.
 
 A configuration says where it differs from the method's defaults; `extends: other` starts from another one of the file,
-`extends: method:other` from one of another method's.
+`extends: method:other` from one of another method's; `by_layout` has what differs on single layouts.
 """
 
 import difflib
@@ -53,16 +53,17 @@ def load_config(method: str, name: str = "", /, **overrides: Any) -> Settings:
         ValueError: A setting is out of range.
     """
     kind = config_class(method)
-    settings = {**named_settings(method, name), **overrides}
+    settings = {**named_settings(method, name, str(overrides.get("layout", ""))), **overrides}
     return kind(**checked(kind, settings, f"{method}, configuration {name or config_names(method)[0]!r}"))
 
 
-def named_settings(method: str, name: str = "") -> dict[str, Any]:
+def named_settings(method: str, name: str = "", layout: str = "") -> dict[str, Any]:
     """Gives what a configuration sets.
 
     Args:
         method: A training method.
         name: One of its configurations, or several joined by commas, of which later ones win.
+        layout: Where it is to be used: a shipped layout's name, or any other layout, for which nothing is set apart.
 
     Raises:
         PresetError: There is no such configuration.
@@ -78,8 +79,9 @@ def named_settings(method: str, name: str = "") -> dict[str, Any]:
         base = own.pop("extends", None)
         if base:
             other, _, configuration = base.rpartition(":")
-            settings |= named_settings(other or method, configuration)
-        settings |= own
+            settings |= named_settings(other or method, configuration, layout)
+        here = own.pop("by_layout", {}).get(layout, {})
+        settings |= own | here
     return settings
 
 

@@ -41,7 +41,8 @@ def main_of(method: str, kind: type[AnySettings], train: Callable[..., Outcome |
     """
     try:
         name, rest = _config_name(arguments)
-        chosen = checked(kind, {"layout": "", **named_settings(method, name)}, f"{method}, configuration {name!r}")
+        named = named_settings(method, name, _layout_name(rest))
+        chosen = checked(kind, {"layout": "", **named}, f"{method}, configuration {name!r}")
     except PresetError as error:
         print(f"overcooked-bench train: {error}", file=sys.stderr)
         return 2
@@ -90,7 +91,7 @@ def main_of(method: str, kind: type[AnySettings], train: Callable[..., Outcome |
     print(
         f"{outcome.files.weights}: return with itself {own['mean']:.1f} [{own['low']:.1f}, {own['high']:.1f}] points "
         f"over {own['episodes']} episodes, after {outcome.total_steps:,} joint steps in {outcome.total_seconds:.0f} s"
-        + (f", {outcome.restarts} restarts" if outcome.restarts else "")
+        + (f", {outcome.total_restarts} restarts" if outcome.total_restarts else "")
     )
     if theirs := summary["with_partners"]:
         print(
@@ -116,7 +117,7 @@ def _summary(method: str, name: str, settings: Settings, layout: str, outcome: O
         "with_partners": told(outcome.with_partners),
         "steps": outcome.total_steps,
         "seconds": round(outcome.total_seconds, 1),
-        "restarts": outcome.restarts,
+        "restarts": outcome.total_restarts,
     }
 
 
@@ -126,6 +127,16 @@ def _config_name(arguments: list[str]) -> tuple[str, list[str]]:
     parser.add_argument("--config", default="")
     found, rest = parser.parse_known_args(arguments)
     return found.config, rest
+
+
+def _layout_name(arguments: list[str]) -> str:
+    """Finds --layout among the arguments, since defaults may depend on it; it stays there, to be judged with them."""
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
+    parser.add_argument("--layout", default="")
+    try:
+        return Layout.load(parser.parse_known_args(arguments)[0].layout).name
+    except (LayoutError, argparse.ArgumentError):
+        return ""
 
 
 def _options(kind: type[Settings], names: tuple[str, ...]) -> Any:

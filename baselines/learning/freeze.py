@@ -48,7 +48,8 @@ def _actor_weights(model: BaseAlgorithm) -> dict[str, torch.Tensor]:
     assert isinstance(model, DQN)
     trunk, values = model.q_net.features_extractor, model.q_net.q_net[-1]
     assert isinstance(trunk, Trunk)
-    parts = {"weight": values.weight, "bias": values.bias}
+    assert isinstance(values, torch.nn.Linear)
+    parts: dict[str, torch.Tensor] = {"weight": values.weight, "bias": values.bias}
     # what all actions have in common says nothing, and would take the digits that float16 has
     action = {f"action.{part}": GREEDINESS * (tensor - tensor.mean(0)) for part, tensor in parts.items()}
     return {name: tensor.detach().cpu().clone() for name, tensor in (trunk.weights() | action).items()}

@@ -41,6 +41,7 @@ class Monitor(BaseCallback):
         memory: What `memory` gave when the run was saved; none for a fresh run.
 
     Attributes:
+        asked: Whether Ctrl-C was pressed.
         stopped: Whether the run was stopped, and saved, before its end.
         diverged: What the divergence check found where it gave the run up, else None.
     """
@@ -64,7 +65,7 @@ class Monitor(BaseCallback):
         self._steps = settings.steps
         self._returns: deque[float] = deque(known["returns"], maxlen=_RECENT)
         self._name = "custom kitchen" if "\n" in settings.layout else settings.layout
-        self._asked = self._answered = False
+        self._answered = False
         self._restore: Callable[[], object] = lambda: None
         self._console = Console(stderr=True)
         self._progress = Progress(
@@ -77,7 +78,7 @@ class Monitor(BaseCallback):
             console=self._console,
             disable=not self._console.is_terminal,
         )
-        self.stopped = False
+        self.asked = self.stopped = False
         self.diverged: dict[str, float] | None = None
 
     def joint_steps(self, model: BaseAlgorithm) -> int:
@@ -112,18 +113,19 @@ class Monitor(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         done = self._done
-        self.stopped = self._asked
+        self.stopped = self.asked
         if self.stopped or done - self._saved_at >= self._every:
             save_checkpoint(self._checkpoint, self.model, self._config, self.memory())  # type: ignore[arg-type]
             self._saved_at = done
         self._check(done)
         self.snap(done)
         self._env.set_shaping(self._settings.shaping_at(done))
+        self._env.set_event_share(self._settings.event_share_at(done))
         self.model.ent_coef = self._settings.entropy_at(done)  # type: ignore[attr-defined]
         self._tell(done)
 
     def _on_step(self) -> bool:
-        if self._asked and not self._answered:
+        if self.asked and not self._answered:
             self._answered = True
             self._console.print("stopping and saving after this update; Ctrl-C again stops at once")
         if self.locals["dones"][0]:
@@ -188,9 +190,9 @@ class Monitor(BaseCallback):
             print(f"{self._name}: {done:,} of {self._steps:,} steps  {told}{left}", flush=True)
 
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
-        if self._asked:
+        if self.asked:
             raise KeyboardInterrupt
-        self._asked = True
+        self.asked = True
 
 
 def snapshot_name(share: float) -> str:

@@ -1,5 +1,6 @@
 """Who sits on the other seat during training, from the names that a user gives."""
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from overcooked_bench.agents.neural import NeuralAgent
 from overcooked_bench.agents.policy import Policy, PolicyFiles, load_policy
 from overcooked_bench.agents.pool import Pool, shipped_pools
 from overcooked_bench.evaluation.play import play_episodes
+from overcooked_bench.evaluation.protocol import load_protocol, protocol_names
 from overcooked_bench.kitchen.layout import Layout
 
 from .freeze import Returns
@@ -31,6 +33,7 @@ def partner_names(given: Sequence[str], settings: Settings, only_final: bool = F
         PoolError: A pool is damaged, has no agents here, or is of another cooking mode.
     """
     layout = Layout.load(settings.layout).name
+    _warn_of_scoring_pools(given)
     names: list[str] = []
     for name in given:
         if name not in shipped_pools() and not (Path(name) / MANIFEST).is_file():
@@ -44,6 +47,17 @@ def partner_names(given: Sequence[str], settings: Settings, only_final: bool = F
         agents = [agent for agent in pool.agents(layout) if agent.trained == 1 or not only_final]
         names += [f"{name}/{layout}/{agent.name}" for agent in agents]
     return tuple(names)
+
+
+def _warn_of_scoring_pools(given: Sequence[str]) -> None:
+    """Says so where partners are those that a shipped protocol scores with."""
+    for protocol in map(load_protocol, protocol_names()):
+        if protocol.pool in {name.partition("/")[0] for name in given}:
+            print(
+                f"warning: protocol {protocol.name} scores with the pool {protocol.pool}; what is trained or chosen by "
+                "it is no stranger to it. train-v1 is made to train against, dev-v1 to choose by",
+                file=sys.stderr,
+            )
 
 
 def load_partners(names: Sequence[str], settings: Settings) -> list[Agent]:

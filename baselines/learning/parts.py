@@ -41,7 +41,7 @@ def self_play_agents(configs: Sequence[SelfPlay], folder: Path, seed: int, every
 
 
 def half_trained(outcome: Outcome, settings: Settings, episodes: int = 20) -> tuple[float, PolicyFiles]:
-    """Picks the snapshot whose return with itself is nearest to half of the final policy's.
+    """Picks the snapshot whose return with itself is nearest to half of the final policy's, the untrained one aside.
 
     Source: Strouse et al. 2021, fictitious co-play.
 
@@ -52,6 +52,7 @@ def half_trained(outcome: Outcome, settings: Settings, episodes: int = 20) -> tu
     means = {
         share: float(returns_with_itself(files, settings, episodes).mean())
         for share, files in sorted(outcome.snapshots.items())
+        if share > 0
     }
     share = min(means, key=lambda share: abs(means[share] - half))
     return share, outcome.snapshots[share]

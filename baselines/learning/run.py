@@ -66,6 +66,11 @@ class Outcome:
         return self.steps + sum(part.total_steps for part in self.parts)
 
     @property
+    def total_restarts(self) -> int:
+        """Restarts of this run and its parts."""
+        return self.restarts + sum(part.total_restarts for part in self.parts)
+
+    @property
     def total_seconds(self) -> float:
         """Wall-clock of training of this run and its parts, as if one after the other."""
         return self.seconds + sum(part.total_seconds for part in self.parts)
@@ -172,6 +177,8 @@ def run(
             file.unlink()
         given_up.append({"seed": restarted(seed, attempt), **monitor.diverged, "seconds": monitor.seconds})
         write_json(output / RESTARTS, given_up)  # at last: a run killed before comes to this point again
+        if monitor.asked:
+            return None
     if monitor.stopped:
         return None
     save_checkpoint(checkpoint, model, config, monitor.memory())
@@ -181,7 +188,7 @@ def run(
     outcome = Outcome(files, returns, monitor.joint_steps(model), seconds, _snapshots(output, settings), len(given_up))
     numbers = {"steps": outcome.steps, "seconds": seconds, "restarts": outcome.restarts, "returns": returns.tolist()}
     write_json(output / RESULT, numbers)
-    return outcome
+    return None if monitor.asked else outcome  # asked in the last update: nothing else is to be begun
 
 
 def label(layout: str) -> str:

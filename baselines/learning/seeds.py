@@ -1,4 +1,8 @@
-"""Training seeds that cannot be shared by accident: each is a hash of what it is for."""
+"""Training seeds that cannot be shared by accident: each is a hash of what it is for.
+
+A configuration is no part of it: runs of one method, layout and seed that differ in settings alone begin with the same
+random numbers. They are one draw, not two, where seeds are what is averaged over.
+"""
 
 import hashlib
 from typing import Final

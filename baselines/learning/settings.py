@@ -124,6 +124,10 @@ class Settings:
         """Gives the weight of partial rewards after `done` joint steps."""
         return 1 - self._passed(done, self.shaping_share)
 
+    def event_share_at(self, done: int) -> float:
+        """Gives the share of what events pay besides, after `done` joint steps."""
+        return 1.0
+
     def entropy_at(self, done: int) -> float:
         """Gives the coefficient of the entropy bonus after `done` joint steps."""
         return self.entropy_start + (self.entropy_end - self.entropy_start) * self._passed(done, self.entropy_share)

@@ -46,7 +46,7 @@ class OvercookedVecEnv(VecEnv):
         horizon: Steps of an episode.
         shaping: Weight of a row's own partial rewards in its reward; `set_shaping` changes it.
         event_rewards: Names of `kitchen.events.EVENTS` to reward points, added to a row's reward whenever its own chef
-            causes the event, whatever the shaping.
+            causes the event, whatever the shaping; `set_event_share` weakens them.
 
     Attributes:
         kitchens: The game itself.
@@ -76,6 +76,7 @@ class OvercookedVecEnv(VecEnv):
         self._partners = None if self_play else Partners(partners, plan, num_envs)
         self._next_partners: Partners | None = None
         self._event_weights = event_weights(event_rewards) if event_rewards else None
+        self._event_share = 1.0
         self.kitchens = Kitchens(
             plan,
             num_envs,
@@ -107,6 +108,10 @@ class OvercookedVecEnv(VecEnv):
     def set_shaping(self, weight: float) -> None:
         """Sets the weight of partial rewards from the next step on."""
         self._shaping = float(weight)
+
+    def set_event_share(self, share: float) -> None:
+        """Sets what share of `event_rewards` is paid from the next step on, 1 at first."""
+        self._event_share = float(share)
 
     @property
     def partners(self) -> tuple[str | Path | Agent, ...]:
@@ -172,7 +177,8 @@ class OvercookedVecEnv(VecEnv):
         rewards = soup[self._rows >> 1] + self._shaping * result.partial_reward.reshape(-1)[self._rows]
         if self._event_weights is not None:
             assert result.events is not None
-            rewards += result.events.reshape(-1, len(self._event_weights))[self._rows] @ self._event_weights
+            paid = self._event_share * self._event_weights
+            rewards += result.events.reshape(-1, len(paid))[self._rows] @ paid
         self._returns += rewards
         self._soup_returns += soup
         dones = result.truncated[self._rows >> 1]

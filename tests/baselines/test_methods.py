@@ -14,6 +14,7 @@ from overcooked_bench import cli
 from overcooked_bench.agents.policy import load_policy
 from overcooked_bench.baselines import biased_self_play, pbt, population, pretrained_partners
 from overcooked_bench.baselines.learning.checkpoint import CheckpointError
+from overcooked_bench.baselines.learning.partners import partner_names
 from overcooked_bench.baselines.learning.run import write_json
 from overcooked_bench.baselines.learning.seeds import USER, derive_seed
 from overcooked_bench.baselines.methods import METHODS
@@ -147,6 +148,57 @@ def test_a_killed_command_goes_on_to_the_same_weights(method, killed, whole, cap
     assert "return with itself" in capsys.readouterr().out
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["pretrained-partners", "pbt"])
+def test_ctrl_c_in_the_last_update_of_a_part_ends_the_whole_run(method, tmp_path, whole, monkeypatch):
+    _, expected = whole(method, {})
+    steps = [3 * UPDATE // 4] if method == "pretrained-partners" else [2 * UPDATE // 4]  # of the first part
+    with monkeypatch.context() as patch:
+        press_ctrl_c(patch, OvercookedVecEnv, "step_wait", *steps)
+        assert run(method, {}, tmp_path / "run") is None
+    assert len([*(tmp_path / "run").rglob("result.json")]) == 1
+    outcome = run(method, {}, tmp_path / "run", resume=True)
+    assert outcome.files.weights.read_bytes() == expected.files.weights.read_bytes()
+
+
+def test_restarts_and_steps_of_all_parts_are_counted(whole, tmp_path):
+    _, outcome = whole("pbt", {})
+    assert (outcome.steps, outcome.total_steps) == (4 * UPDATE, 8 * UPDATE)
+    assert outcome.total_seconds > outcome.seconds > 0
+    restarted = replace(outcome, restarts=1, parts=(replace(outcome, restarts=2, parts=()), outcome.parts[0]))
+    assert restarted.total_restarts == 3
+
+
+def test_a_best_response_does_not_go_on_against_partners_that_were_changed(tmp_path, whole, monkeypatch):
+    names = [tmp_path / "partner.safetensors", tmp_path / "partner.json"]
+    for method in ("self-play", "biased-self-play"):
+        for ours, theirs in zip(names, whole(method, {"observation": "lossless"})[1].files, strict=True):
+            ours.write_bytes(theirs.read_bytes())
+        others = {"partners": (str(names[0]),)}
+        if method == "self-play":
+            with monkeypatch.context() as patch:
+                press_ctrl_c(patch, OvercookedVecEnv, "step_wait", 20)
+                assert run("best-response", others, tmp_path / "run") is None
+    with pytest.raises(CheckpointError, match="partner_hashes"):
+        run("best-response", others, tmp_path / "run", resume=True)
+
+
+def test_training_against_a_pool_that_scores_is_not_done_unwarned(capsys):
+    partner_names(["greedy", "dev-v0"], settings("best-response"))
+    assert "protocol dev scores with the pool dev-v0" in capsys.readouterr().err
+    partner_names(["greedy", "train-v1"], settings("best-response"))
+    assert not capsys.readouterr().err
+
+
+def test_defaults_that_depend_on_the_layout_hold_at_the_command_line(tmp_path, capsys):
+    sizes = [f"--{name.replace('_', '-')}={SETTINGS[name]}" for name in SETTINGS if name not in ("layout", "hidden")]
+    network = ["--network", "mlp", "--hidden", "16"]
+    output = ["--output", str(tmp_path)]
+    arguments = ["train", "self-play", "--config", "thesis", "--layout", "cramped_room", *sizes, *network, *output]
+    assert command(arguments) == 0
+    assert json.loads((tmp_path / "config.json").read_text())["value_coefficient"] == 0.01
+
+
 def test_the_command_line_names_every_method():
     assert tuple(METHODS) == cli._METHODS
     assert all(METHODS[method] == method.replace("-", "_") for method in METHODS)
@@ -198,6 +250,7 @@ def test_a_biased_run_that_does_not_deliver_begins_anew_with_other_weights(tmp_p
         (["self-play", "--config", "thesys"], "did you mean 'thesis'"),
         (["self-play", "--config", "thesis,stack_chanels"], "did you mean 'stack_channels'"),
         (["population", "--development", "dev-v9"], "dev-v9"),
+        (["population", "--cooking", "manual"], "or choose other development partners by --development"),
         (["pretrained-partners", "--pool", "dev-v9"], "dev-v9"),
         (["pretrained-partners", "--pool", "greedy"], "'greedy' is no frozen policy"),
         (["pbt", "--layout", TOMATOES, "--agents", "2", "--rounds", "2"], "use 'lossless26'"),

@@ -9,6 +9,7 @@ import pytest
 from overcooked_bench.agents.pool import Pool
 from overcooked_bench.baselines import pool_build, pool_queue
 from overcooked_bench.baselines.pool_build import PoolBuildError, missing, publish, train_run
+from overcooked_bench.baselines.pool_config import PoolConfigError
 from overcooked_bench.baselines.pool_queue import main
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 from tests.baselines.learning.test_checkpoint import press_ctrl_c
@@ -175,6 +176,25 @@ def test_mistakes_end_in_one_message(arguments, words, tmp_path, monkeypatch, ca
     assert code == 2
     assert words in capsys.readouterr().err
     assert json.dumps([*tmp_path.iterdir()]) == "[]"
+
+
+def test_a_population_enters_with_the_steps_of_its_agent(tmp_path):
+    settings = {**OVERRIDES, "agents": 2, "rounds": 2, "pair_episodes": 1, "steps": 4 * UPDATE}
+    (run,) = pool_config(tmp_path, group(method="pbt", overrides=settings)).runs()
+    assert train_run(run, tmp_path / "run")
+    (record,) = publish(run, tmp_path / "run", tmp_path / "pool")
+    assert (record.steps, record.checkpoint) == (4 * UPDATE, 1)
+    with pytest.raises(PoolConfigError, match="keeps the policies of every round"):
+        pool_config(tmp_path, group(method="pbt", overrides=settings, keep=["half"], snapshots=[0.5]))
+
+
+@pytest.mark.slow
+def test_ctrl_c_while_a_run_still_loads_stops_it(tmp_path):
+    (run,) = pool_config(tmp_path, group(overrides={**OVERRIDES, "steps": 10_000 * UPDATE})).runs()
+    process = pool_queue._start(run, tmp_path / "run", 10**9)
+    pool_queue._stop([process], at_once=False)
+    process.join(120)
+    assert process.exitcode == 130
 
 
 @pytest.mark.slow

@@ -29,7 +29,13 @@ def test_the_applied_column_of_table_6_1():
     assert config.shaping_at(2_500_000) == pytest.approx(0)
     assert config.check_share * config.steps == pytest.approx(3e6)
     assert config.start == "random"
-    assert load_config("self-play", "thesis_cramped_room", layout="cramped_room").value_coefficient == 0.01
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_value_coefficient_of_the_thesis_differs_on_cramped_room(method):
+    assert load_config(method, "thesis", layout="cramped_room").value_coefficient == 0.01
+    assert load_config(method, "thesis,stack_states", layout="counter_circuit").value_coefficient == 0.1
+    assert load_config(method, "thesis", layout="cramped_room", value_coefficient=0.5).value_coefficient == 0.5
 
 
 def test_the_originally_proposed_column():

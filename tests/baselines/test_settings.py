@@ -1,11 +1,12 @@
 """What every method's settings refuse, before any training."""
 
+from dataclasses import replace
 from functools import partial
 
 import pytest
 
 from overcooked_bench.baselines.methods import METHODS
-from overcooked_bench.baselines.pbt import Leg
+from overcooked_bench.baselines.pbt import Leg, scheduled
 from overcooked_bench.baselines.presets import config_class
 from overcooked_bench.baselines.self_play import Config as SelfPlay
 from tests.baselines.tiny import SETTINGS, UPDATE
@@ -31,6 +32,8 @@ WRONG = [
     ("pbt", {"rounds": 4, "agents": 2}, f"two updates, {2 * UPDATE} joint steps"),
     ("pbt", {"rounds": 0, "agents": 2}, "rounds=0"),
     ("pbt", {"agents": 5}, "each agent a kitchen"),
+    ("pbt", {"agents": 2, "rounds": 1, "check_share": 0.5}, "check_share=0.5.* leave both out"),
+    ("pbt", {"agents": 2, "rounds": 1, "snapshots": (0.5,)}, "leave both out"),
     ("population", {"per_episode": 5, "chosen": 5}, "at most one partner for each of the 4 kitchens"),
     ("population", {"candidate_steps": UPDATE - 1}, f"candidate_steps={UPDATE - 1}: .* at least two updates"),
     ("population", {"final_factor": 0.5}, "final_factor=0.5; give a factor from 1"),
@@ -70,3 +73,16 @@ def test_the_schedules_of_a_leg_are_those_of_the_whole_run():
         assert leg.entropy_at(done) == whole.entropy_at(5 * UPDATE + done)
         left = 1 - done / leg.steps
         assert leg.learning_rate_at(left) == pytest.approx(whole.learning_rate_at(0.5 + left / 4))
+
+
+def test_what_a_copy_mutates_stays_mutated_to_the_end_of_its_schedule():
+    config = config_class("pbt")(
+        **SETTINGS | {"agents": 2, "rounds": 1, "learning_rate_end": 1e-4, "entropy_end": 0.02}
+    )
+    hyper = {"learning_rate": 2 * config.learning_rate, "entropy_start": config.entropy_start / 2, "clip": 0.1}
+    ends = {"learning_rate_end": 2e-4, "entropy_end": 0.01}
+    assert scheduled(hyper, config) == pytest.approx(hyper | ends)
+    still = replace(config, entropy_start=0.0)
+    assert scheduled({"learning_rate": still.learning_rate, "entropy_start": 0.0}, still) == pytest.approx(
+        {"learning_rate": still.learning_rate, "entropy_start": 0.0, "learning_rate_end": 1e-4}
+    )

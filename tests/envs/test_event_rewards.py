@@ -46,6 +46,14 @@ def test_an_event_rewards_the_chef_who_causes_it_whatever_the_shaping():
         assert env.step(np.array([STAY, STAY, STAY, INTERACT]))[1].tolist() == [0, 0, 0, 7 + partial]
 
 
+def test_a_share_of_the_event_rewards_is_paid():
+    env = OvercookedVecEnv("cramped_room", 2, self_play=True, event_rewards={"potting_onion": 7})
+    env.set_event_share(0.5)
+    env.reset()
+    env.kitchens.set_state(1, FILLING)
+    assert env.step(np.array([STAY, STAY, STAY, INTERACT]))[1].tolist() == [0, 0, 0, 3.5]
+
+
 @pytest.mark.parametrize(("seat", "reward"), [(0, 0), (1, -0.5)])
 def test_against_partners_only_the_learners_events_count(seat, reward):
     env = OvercookedVecEnv(
