@@ -75,6 +75,13 @@ def test_the_schedules_of_a_leg_are_those_of_the_whole_run():
         assert leg.learning_rate_at(left) == pytest.approx(whole.learning_rate_at(0.5 + left / 4))
 
 
+def test_habits_are_paid_for_once_half_of_the_partial_rewards_has_faded():
+    config = config_class("biased-self-play")(**SETTINGS | {"shaping_share": 0.5})
+    shares = [config.event_share_at(round(part * config.steps)) for part in (0, 0.2, 0.25, 0.375, 0.5, 1)]
+    assert shares == pytest.approx([0, 0, 0, 0.5, 1, 1])
+    assert config_class("self-play")(**SETTINGS).event_share_at(0) == 1
+
+
 def test_what_a_copy_mutates_stays_mutated_to_the_end_of_its_schedule():
     config = config_class("pbt")(
         **SETTINGS | {"agents": 2, "rounds": 1, "learning_rate_end": 1e-4, "entropy_end": 0.02}

@@ -153,6 +153,8 @@ brackets. "In all" counts from the start of the process: imports, and what is co
 from an earlier run, as they are after the first one; compiling them takes what the table of fresh processes shows.
 
 {times_table(trainers, goal)}
+Runs that the divergence check began anew count with all that they took.
+
 JaxMARL: PPO with the default values of its `ippo_ff` for Overcooked, as our own program over its environment, since its
 wheel has no training scripts; without the logging of the original. Its kitchen starts in fixed cells; ours trains from
 random ones.{alone}

@@ -32,17 +32,22 @@ class Watch(BaseCallback):
         super().__init__()
         self.returns: deque[float] = deque(maxlen=ASKED["episodes"])
         self.curve: list[tuple[float, int, float]] = []
+        self.before = self.steps = 0  # of attempts that the divergence check gave up; of all of them
+        self.start_up = 0.0
 
     def _on_training_start(self) -> None:
-        self.start_up = time.time() - ASKED["started"]
+        self.start_up = self.start_up or time.time() - ASKED["started"]
+        self.before = self.steps
+        self.returns.clear()
 
     def _on_step(self) -> bool:
+        self.steps = self.before + self.model.num_timesteps // 2
         if not self.locals["dones"][0]:
             return True
         self.returns.extend(info["episode_soup_reward"] for info in self.locals["infos"][::2])  # both rows tell it
         if len(self.returns) == ASKED["episodes"]:
             mean = sum(self.returns) / len(self.returns)
-            self.curve.append((time.time() - ASKED["started"], self.model.num_timesteps // 2, mean))
+            self.curve.append((time.time() - ASKED["started"], self.steps, mean))
             if mean >= ASKED["goal"]:
                 raise Reached
         return True
