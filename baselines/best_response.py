@@ -11,7 +11,7 @@ from typing import Final
 
 from overcooked_bench.agents.neural import NeuralAgent
 
-from .learning.algorithms import Algorithm, AnyLearner, make_a2c, make_dqn, make_learner
+from .learning.algorithms import A2C_ROLLOUT, DQN_STEPS, Algorithm, AnyLearner, make_a2c, make_dqn, make_learner
 from .learning.command import main_of
 from .learning.partners import load_partners, partner_names, returns_with, sharing
 from .learning.run import Outcome, UnfitError, make_env, run
@@ -40,6 +40,12 @@ class Config(PartnerSettings):
         """
         PartnerSettings.__post_init__(self)
         check_draws(self.per_episode, self.num_kitchens, least=0)
+
+    @property
+    def update_steps(self) -> int:
+        """Joint steps from one update to the next; snapshots are taken in between."""
+        rollout = {"ppo": self.rollout, "a2c": min(A2C_ROLLOUT, self.rollout), "dqn": DQN_STEPS}[self.algorithm]
+        return self.num_kitchens * rollout
 
 
 def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:

@@ -80,7 +80,7 @@ def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
 
 def _keep(run: Run, outcome: Outcome) -> dict[Kind, tuple[PolicyFiles, int, Measured]]:
     """Chooses the agents of a run that enter the pool, with the joint steps that each has had and what it does."""
-    update = run.settings.num_kitchens * run.settings.rollout  # snapshots are taken between updates
+    update = run.settings.update_steps
     found: dict[float, Measured] = {}
 
     def measured(share: float) -> Measured:

@@ -137,7 +137,13 @@ def build(
 
 def _settle(run: Run, code: int | None, folder: Path, pool: Path, result: Result, say: Report) -> None:
     if code == _DONE:
-        for record in publish(run, folder, pool):
+        try:
+            records = publish(run, folder, pool)
+        except (PoolBuildError, PoolError) as error:
+            say(f"{run.path}: not put into the pool ({error})")
+            result.failed.append(run.path)
+            return
+        for record in records:
             own = record.self_play
             say(
                 f"{run.layout} {record.name}: {own.mean:.0f} [{own.low:.0f}, {own.high:.0f}] points with itself after "

@@ -19,9 +19,11 @@ from .settings import Settings
 Algorithm = Literal["ppo", "a2c", "dqn"]
 AnyLearner = OnPolicyAlgorithm | DQN
 
-_A2C_ROLLOUT: Final = 20
+A2C_ROLLOUT: Final = 20
+"""Steps of each kitchen between updates of A2C, at most."""
+DQN_STEPS: Final = 4
+"""The same of DQN."""
 _REPLAY: Final = 50_000
-_DQN_STEPS: Final = 4
 
 
 def make_learner(
@@ -58,7 +60,7 @@ def make_a2c(settings: Settings, env: OvercookedVecEnv, seed: int) -> A2C:
         TrunkPolicy,
         env,
         learning_rate=settings.learning_rate_at,
-        n_steps=min(_A2C_ROLLOUT, settings.rollout),
+        n_steps=min(A2C_ROLLOUT, settings.rollout),
         gamma=settings.gamma,
         gae_lambda=settings.gae_lambda,
         vf_coef=settings.value_coefficient,
@@ -79,9 +81,9 @@ def make_dqn(settings: Settings, env: OvercookedVecEnv, seed: int) -> DQN:
         learning_rate=lambda left: settings.learning_rate_at(left) / 4,
         buffer_size=_REPLAY,
         learning_starts=min(_REPLAY // 5, settings.steps // 10),
-        batch_size=_DQN_STEPS * settings.num_kitchens,
+        batch_size=DQN_STEPS * settings.num_kitchens,
         gamma=settings.gamma,
-        train_freq=_DQN_STEPS,
+        train_freq=DQN_STEPS,
         gradient_steps=1,
         target_update_interval=100 * settings.num_kitchens,
         exploration_fraction=0.3,

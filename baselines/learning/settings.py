@@ -116,6 +116,11 @@ class Settings:
         return 2
 
     @property
+    def update_steps(self) -> int:
+        """Joint steps from one update to the next; snapshots are taken in between."""
+        return self.num_kitchens * self.rollout
+
+    @property
     def learners(self) -> str:
         """The same in words."""
         return "both chefs" if self.learning_seats == 2 else "the learner"

@@ -8,6 +8,7 @@ import pytest
 
 from overcooked_bench.agents.pool import Pool
 from overcooked_bench.baselines import pool_build, pool_queue
+from overcooked_bench.baselines.learning import monitor
 from overcooked_bench.baselines.pool_build import PoolBuildError, missing, publish, train_run
 from overcooked_bench.baselines.pool_config import PoolConfigError
 from overcooked_bench.baselines.pool_queue import main
@@ -176,6 +177,33 @@ def test_mistakes_end_in_one_message(arguments, words, tmp_path, monkeypatch, ca
     assert code == 2
     assert words in capsys.readouterr().err
     assert json.dumps([*tmp_path.iterdir()]) == "[]"
+
+
+@pytest.mark.parametrize("algorithm", ["a2c", "dqn"])
+def test_the_steps_of_a_snapshot_are_those_it_had(algorithm, tmp_path, monkeypatch):
+    done, freeze = [], monitor.freeze
+    note = lambda stem, model, settings: (done.append(model.num_timesteps), freeze(stem, model, settings))  # noqa: E731
+    monkeypatch.setattr(monitor, "freeze", note)
+    settings = {**OVERRIDES, "algorithm": algorithm, "steps": 6 * UPDATE, "rollout": 32}
+    one = group(method="best-response", overrides=settings, keep=["final", "half"], snapshots=[0.55])
+    (run,) = pool_config(tmp_path, one).runs()
+    assert train_run(run, tmp_path / "run")
+    half = next(r for r in publish(run, tmp_path / "run", tmp_path / "pool") if r.name.endswith("half"))
+    assert [half.steps] == done
+
+
+def test_a_run_that_cannot_be_published_does_not_end_the_others(built, tmp_path, monkeypatch, capsys):
+    class Ended:
+        sentinel, exitcode, pid = 0, 0, 1
+        join = kill = lambda self: None
+
+    monkeypatch.setattr(pool_queue, "_start", lambda *_: Ended())
+    monkeypatch.setattr(pool_queue, "wait", lambda sentinels, timeout: sentinels)
+    overrides = {**OVERRIDES, "gamma": 0.5}
+    runs = pool_config(tmp_path, group(**{**THREE_AGENTS, "overrides": overrides}), group("other", first=1)).runs()
+    result = pool_queue.build(runs, built / "runs", tmp_path / "pool", 1)
+    assert (result.failed, result.finished) == ([runs[0].path], [runs[1].path])
+    assert "gamma was 0.99, is 0.5" in capsys.readouterr().out
 
 
 def test_a_population_enters_with_the_steps_of_its_agent(tmp_path):
