@@ -100,7 +100,7 @@ def _keep(run: Run, outcome: Outcome) -> dict[Kind, tuple[PolicyFiles, int, Meas
         share = shares[kind]
         files, done = outcome.files, outcome.steps
         if share < 1:
-            files, done = outcome.snapshots[share], ceil(share * run.settings.steps / update) * update
+            files, done = outcome.snapshots[share], ceil(share * run.settings.trained_steps / update) * update
         chosen[kind] = files, done, measured(share)
     return chosen
 

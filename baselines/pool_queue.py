@@ -120,8 +120,9 @@ def build(
         try:
             while left and len(running) < processes and not result.stopped:
                 run = left.popleft()
-                process = _start(run, home / run.path, every)
-                running[process.sentinel] = run, process
+                with _deaf():  # until it is known whom to pass Ctrl-C on to
+                    process = _start(run, home / run.path, every)
+                    running[process.sentinel] = run, process
             for sentinel in wait(list(running), timeout=1.0):
                 run, process = running.pop(sentinel)
                 process.join()
@@ -141,6 +142,8 @@ def _settle(run: Run, code: int | None, folder: Path, pool: Path, result: Result
             records = publish(run, folder, pool)
         except (PoolBuildError, PoolError) as error:
             say(f"{run.path}: not put into the pool ({error})")
+            with (folder / LOG).open("a", encoding="utf-8") as log:
+                print(f"not put into the pool: {error}", file=log)
             result.failed.append(run.path)
             return
         for record in records:
@@ -161,11 +164,10 @@ def _settle(run: Run, code: int | None, folder: Path, pool: Path, result: Result
 
 
 def _start(run: Run, folder: Path, every: int) -> SpawnProcess:
-    """Starts a run on one thread; Ctrl-C reaches the queue alone, which passes it on."""
+    """Starts a run on one thread; Ctrl-C reaches the queue alone, which passes it on, and the run once it listens."""
     os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
     process = multiprocessing.get_context("spawn").Process(target=_work, args=(run, folder, every), name=run.path)
-    with _deaf():
-        process.start()
+    process.start()
     return process
 
 

@@ -102,6 +102,11 @@ class Config(PartnerSettings):
             raise ValueError(f"candidate_steps={self.candidate_steps}: as self-play, {error}") from None
 
     @property
+    def trained_steps(self) -> int:
+        """Joint steps of the run whose policy comes out, a final agent's."""
+        return round(self.final_factor * self.steps)
+
+    @property
     def presses(self) -> bool:
         """Whether the divergence is rewarded at all."""
         return self.reward_coefficient > 0 or self.loss_coefficient > 0
@@ -138,7 +143,7 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
         grown.append(outcome)
     longer = replace(
         config,
-        steps=round(config.final_factor * config.steps),
+        steps=config.trained_steps,
         reward_coefficient=0.0,
         reward_clip=0.0,
         loss_coefficient=0.0,

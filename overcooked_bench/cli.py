@@ -41,8 +41,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         command: Callable[[argparse.Namespace], int] = options.command
         return command(options)
     except KeyboardInterrupt:
-        again = "with --resume the same command" if given[:1] == ["train"] else "the same command"
-        print(f"\nstopped; what is finished is kept, and {again} goes on from there", file=sys.stderr)
+        again = " (with --resume, once its folder is there)" if given[:1] == ["train"] else ""
+        print(f"\nstopped; what is finished is kept, and the same command goes on from there{again}", file=sys.stderr)
         return 130
     except BrokenPipeError:
         sys.stderr.close()

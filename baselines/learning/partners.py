@@ -1,7 +1,7 @@
 """Who sits on the other seat during training, from the names that a user gives."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from pathlib import Path
 
 import numpy as np
@@ -33,26 +33,28 @@ def partner_names(given: Sequence[str], settings: Settings, only_final: bool = F
         PoolError: A pool is damaged, has no agents here, or is of another cooking mode.
     """
     layout = Layout.load(settings.layout).name
-    _warn_of_scoring_pools(given)
     names: list[str] = []
+    pools = {name.partition("/")[0] for name in given}
     for name in given:
         if name not in shipped_pools() and not (Path(name) / MANIFEST).is_file():
             names.append(name)
             continue
         pool = Pool.load(name)
+        pools.add(pool.name)
         if pool.cooking != settings.cooking:
             raise PoolError(f"pool {name!r} is of cooking {pool.cooking!r}; train with --cooking {pool.cooking}")
         if not pool.agents(layout):
             raise PoolError(f"pool {name!r} has no agents for {layout!r}; its layouts are {', '.join(pool.layouts)}")
         agents = [agent for agent in pool.agents(layout) if agent.trained == 1 or not only_final]
         names += [f"{name}/{layout}/{agent.name}" for agent in agents]
+    _warn_of_scoring_pools(pools)
     return tuple(names)
 
 
-def _warn_of_scoring_pools(given: Sequence[str]) -> None:
-    """Says so where partners are those that a shipped protocol scores with."""
+def _warn_of_scoring_pools(names: Set[str]) -> None:
+    """Says so where a pool of these names is one that a shipped protocol scores with."""
     for protocol in map(load_protocol, protocol_names()):
-        if protocol.pool in {name.partition("/")[0] for name in given}:
+        if protocol.pool in names:
             print(
                 f"warning: protocol {protocol.name} scores with the pool {protocol.pool}; what is trained or chosen by "
                 "it is no stranger to it. train-v1 is made to train against, dev-v1 to choose by",

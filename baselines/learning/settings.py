@@ -116,6 +116,11 @@ class Settings:
         return 2
 
     @property
+    def trained_steps(self) -> int:
+        """Joint steps of the run whose policy comes out, and which snapshots are shares of."""
+        return self.steps
+
+    @property
     def update_steps(self) -> int:
         """Joint steps from one update to the next; snapshots are taken in between."""
         return self.num_kitchens * self.rollout

@@ -12,6 +12,7 @@ import pytest
 
 from overcooked_bench import cli
 from overcooked_bench.agents.policy import load_policy
+from overcooked_bench.agents.pool import find_pool
 from overcooked_bench.baselines import biased_self_play, pbt, population, pretrained_partners
 from overcooked_bench.baselines.learning.checkpoint import CheckpointError
 from overcooked_bench.baselines.learning.partners import partner_names
@@ -184,8 +185,9 @@ def test_a_best_response_does_not_go_on_against_partners_that_were_changed(tmp_p
 
 
 def test_training_against_a_pool_that_scores_is_not_done_unwarned(capsys):
-    partner_names(["greedy", "dev-v0"], settings("best-response"))
-    assert "protocol dev scores with the pool dev-v0" in capsys.readouterr().err
+    for name in ("dev-v0", "dev-v0/cramped_room/sp-0", str(find_pool("dev-v0"))):
+        partner_names(["greedy", name], settings("best-response"))
+        assert "protocol dev scores with the pool dev-v0" in capsys.readouterr().err
     partner_names(["greedy", "train-v1"], settings("best-response"))
     assert not capsys.readouterr().err
 
@@ -224,6 +226,15 @@ def test_the_weights_of_events_belong_to_the_seed(whole):
         assert set(weights) == set(config["biased_events"])
         assert set(weights.values()) <= set(config["bias_weights"])
         assert any(weights.values())
+
+
+def test_what_events_pay_grows_while_a_biased_run_learns(tmp_path, monkeypatch):
+    paid, pay = [], OvercookedVecEnv.set_event_share
+    monkeypatch.setattr(OvercookedVecEnv, "set_event_share", lambda env, share: (paid.append(share), pay(env, share)))
+    run("biased-self-play", {"check_share": 0.0}, tmp_path)
+    config = settings("biased-self-play")
+    assert paid == [config.event_share_at(done) for done in range(0, config.steps, UPDATE)]
+    assert (paid[0], paid[-1]) == (0, 1)
 
 
 def test_a_biased_run_that_does_not_deliver_begins_anew_with_other_weights(tmp_path, monkeypatch):

@@ -1,4 +1,5 @@
 import json
+import multiprocessing
 import signal
 import subprocess
 import sys
@@ -206,6 +207,17 @@ def test_a_run_that_cannot_be_published_does_not_end_the_others(built, tmp_path,
     assert "gamma was 0.99, is 0.5" in capsys.readouterr().out
 
 
+def test_the_snapshot_of_a_population_is_one_of_the_longer_final_run(tmp_path):
+    settings = {**OVERRIDES, "candidates": 1, "chosen": 1, "agents": 0, "per_episode": 1, "candidate_steps": 3 * UPDATE}
+    settings |= {"steps": 4 * UPDATE, "development": "greedy"}
+    one = group(method="population", overrides=settings, keep=["final", "half"], snapshots=[0.5])
+    (run,) = pool_config(tmp_path, one).runs()
+    assert train_run(run, tmp_path / "run")
+    records = {record.name: record for record in publish(run, tmp_path / "run", tmp_path / "pool")}
+    assert (records["sp-0-half"].steps, records["sp-0-half"].checkpoint) == (3 * UPDATE, 0.5)
+    assert records["sp-0"].steps == 6 * UPDATE
+
+
 def test_a_population_enters_with_the_steps_of_its_agent(tmp_path):
     settings = {**OVERRIDES, "agents": 2, "rounds": 2, "pair_episodes": 1, "steps": 4 * UPDATE}
     (run,) = pool_config(tmp_path, group(method="pbt", overrides=settings)).runs()
@@ -219,10 +231,25 @@ def test_a_population_enters_with_the_steps_of_its_agent(tmp_path):
 @pytest.mark.slow
 def test_ctrl_c_while_a_run_still_loads_stops_it(tmp_path):
     (run,) = pool_config(tmp_path, group(overrides={**OVERRIDES, "steps": 10_000 * UPDATE})).runs()
-    process = pool_queue._start(run, tmp_path / "run", 10**9)
+    with pool_queue._deaf():
+        process = pool_queue._start(run, tmp_path / "run", 10**9)
     pool_queue._stop([process], at_once=False)
     process.join(120)
     assert process.exitcode == 130
+
+
+@pytest.mark.slow
+def test_ctrl_c_while_the_queue_starts_a_run_reaches_the_run(tmp_path, monkeypatch):
+    def start(*arguments):
+        signal.raise_signal(signal.SIGINT)
+        return real(*arguments)
+
+    real = pool_queue._start
+    monkeypatch.setattr(pool_queue, "_start", start)
+    runs = pool_config(tmp_path, group(count=2, overrides={**OVERRIDES, "steps": 10_000 * UPDATE})).runs()
+    result = pool_queue.build(runs, tmp_path / "runs", tmp_path / "pool", 1)
+    assert result == pool_queue.Result(stopped=True)
+    assert multiprocessing.active_children() == []
 
 
 @pytest.mark.slow

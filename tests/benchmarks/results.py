@@ -40,7 +40,7 @@ To repeat it, the tables between the markers being written anew:
 python -m pytest tests/benchmarks -m benchmark -n0 --benchmark-json=speed.json
 python -m tests.benchmarks.results speed.json
 python -m tests.benchmarks.peers --overcooked-ai-python PATH --jaxmarl-python PATH
-python -m tests.benchmarks.time_to_return --jaxmarl-python PATH
+python -m tests.benchmarks.time_to_return --jaxmarl-python PATH --config checked --seeds 3
 ```
 
 """
