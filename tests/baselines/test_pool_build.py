@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import time
+import types
 
 import pytest
 
@@ -70,8 +71,6 @@ def test_a_finished_run_is_not_trained_again(built, monkeypatch):
 
 def test_half_is_what_reaches_half_of_the_end(built, monkeypatch):
     """The choice alone: the returns are made up, as are the policies' files."""
-    import types
-
     reached = {"final": 200, "at-0.2": 40, "at-0.4": 90, "at-0.6": 120, "at-0.8": 190}
     monkeypatch.setattr(pool_build, "load_policy", lambda file: file)
     found = lambda file, horizon: types.SimpleNamespace(self_play=types.SimpleNamespace(mean=reached[file]))  # noqa: E731
@@ -194,11 +193,8 @@ def test_the_steps_of_a_snapshot_are_those_it_had(algorithm, tmp_path, monkeypat
 
 
 def test_a_run_that_cannot_be_published_does_not_end_the_others(built, tmp_path, monkeypatch, capsys):
-    class Ended:
-        sentinel, exitcode, pid = 0, 0, 1
-        join = kill = lambda self: None
-
-    monkeypatch.setattr(pool_queue, "_start", lambda *_: Ended())
+    ended = types.SimpleNamespace(sentinel=0, exitcode=0, join=lambda: None)
+    monkeypatch.setattr(pool_queue, "_start", lambda *_: ended)
     monkeypatch.setattr(pool_queue, "wait", lambda sentinels, timeout: sentinels)
     overrides = {**OVERRIDES, "gamma": 0.5}
     runs = pool_config(tmp_path, group(**{**THREE_AGENTS, "overrides": overrides}), group("other", first=1)).runs()
