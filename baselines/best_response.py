@@ -9,11 +9,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from overcooked_bench.agents.neural import NeuralAgent
-
 from .learning.algorithms import A2C_ROLLOUT, DQN_STEPS, Algorithm, AnyLearner, make_a2c, make_dqn, make_learner
 from .learning.command import main_of
-from .learning.partners import load_partners, partner_names, returns_with, sharing
+from .learning.partners import frozen_policies, load_partners, partner_names, returns_with, sharing
 from .learning.run import Outcome, UnfitError, make_env, run
 from .learning.settings import PartnerSettings, check_draws
 
@@ -62,8 +60,7 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
             return make_learner(config, env, seed)
         return make_a2c(config, env, seed) if config.algorithm == "a2c" else make_dqn(config, env, seed)
 
-    frozen = [partner for partner in load_partners(names, config) if isinstance(partner, NeuralAgent)]
-    hashes = [policy.sha256 for partner in frozen for policy in partner.policies]
+    hashes = [policy.sha256 for policy in frozen_policies(load_partners(names, config))]
     told = {"partner_names": names, "partner_hashes": hashes}
     outcome = run(config, METHOD, output, seed, make, resume=resume, every=every, told=told)
     if outcome is None:

@@ -13,6 +13,8 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_
 
 import yaml
 
+from overcooked_bench.kitchen.layout import MIRRORED, Layout, LayoutError
+
 from .learning.settings import Settings
 from .methods import METHODS
 
@@ -63,7 +65,7 @@ def named_settings(method: str, name: str = "", layout: str = "") -> dict[str, A
     Args:
         method: A training method.
         name: One of its configurations, or several joined by commas, of which later ones win.
-        layout: Where it is to be used: a shipped layout's name, or any other layout, for which nothing is set apart.
+        layout: Where it is to be used, as `Layout.load` takes it; a mirror image is set up as what it mirrors.
 
     Raises:
         PresetError: There is no such configuration.
@@ -80,9 +82,17 @@ def named_settings(method: str, name: str = "", layout: str = "") -> dict[str, A
         if base:
             other, _, configuration = base.rpartition(":")
             settings |= named_settings(other or method, configuration, layout)
-        here = own.pop("by_layout", {}).get(layout, {})
-        settings |= own | here
+        here = own.pop("by_layout", {})
+        settings |= own | (here.get(_plain_name(layout), {}) if here else {})
     return settings
+
+
+def _plain_name(layout: str) -> str:
+    """Gives a layout's name; what cannot be loaded is refused elsewhere, with all other settings."""
+    try:
+        return Layout.load(layout).name.removesuffix(MIRRORED)
+    except LayoutError:
+        return ""
 
 
 def checked(kind: type[Settings], settings: dict[str, Any], where: str) -> dict[str, Any]:

@@ -41,7 +41,7 @@ def main_of(method: str, kind: type[AnySettings], train: Callable[..., Outcome |
     """
     try:
         name, rest = _config_name(arguments)
-        named = named_settings(method, name, _layout_name(rest))
+        named = named_settings(method, name, _layout(rest))
         chosen = checked(kind, {"layout": "", **named}, f"{method}, configuration {name!r}")
     except PresetError as error:
         print(f"overcooked-bench train: {error}", file=sys.stderr)
@@ -129,13 +129,13 @@ def _config_name(arguments: list[str]) -> tuple[str, list[str]]:
     return found.config, rest
 
 
-def _layout_name(arguments: list[str]) -> str:
+def _layout(arguments: list[str]) -> str:
     """Finds --layout among the arguments, since defaults may depend on it; it stays there, to be judged with them."""
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
     parser.add_argument("--layout", default="")
     try:
-        return Layout.load(parser.parse_known_args(arguments)[0].layout).name
-    except (LayoutError, argparse.ArgumentError):
+        return str(parser.parse_known_args(arguments)[0].layout)
+    except argparse.ArgumentError:
         return ""
 
 

@@ -87,8 +87,12 @@ def sharing(partners: list[Agent], per_episode: int) -> list[Agent]:
         return partners
     if not all(isinstance(partner, NeuralAgent) for partner in partners):
         raise ValueError("per_episode draws among frozen policies; with other agents give 0, so that all play at once")
-    policies = [policy for partner in partners if isinstance(partner, NeuralAgent) for policy in partner.policies]
-    return [SampledPartners(policies, per_episode)]
+    return [SampledPartners(frozen_policies(partners), per_episode)]
+
+
+def frozen_policies(partners: Sequence[Agent]) -> list[Policy]:
+    """Gives the policies of those partners that are frozen ones."""
+    return [policy for partner in partners if isinstance(partner, NeuralAgent) for policy in partner.policies]
 
 
 def returns_with(files: PolicyFiles, partners: Sequence[Agent | Policy], settings: Settings, episodes: int) -> Returns:

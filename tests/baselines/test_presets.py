@@ -5,15 +5,23 @@ from overcooked_bench.baselines.methods import METHODS
 from overcooked_bench.baselines.presets import PresetError, config_names, load_config
 from overcooked_bench.envs.spaces import observation_space
 from overcooked_bench.kitchen.kitchens import Kitchens
+from overcooked_bench.kitchen.layout import layout_names
 
 EVERY = [(method, name) for method in METHODS for name in config_names(method)]
 
 
 @pytest.mark.parametrize(("method", "name"), EVERY, ids=[f"{method}-{name}" for method, name in EVERY])
 def test_every_shipped_configuration_can_be_made(method, name):
-    config = load_config(method, name, layout="cramped_room", seed=3)
-    assert (config.layout, config.seed) == ("cramped_room", 3)
-    assert observation_space(Kitchens("cramped_room", 1, history=3), config.observation).shape
+    for layout in layout_names():  # they may differ by layout
+        config = load_config(method, name, layout=layout, seed=3)
+        assert (config.layout, config.seed) == (layout, 3)
+        assert observation_space(Kitchens(layout, 1, history=3), config.observation).shape
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_what_is_set_apart_for_a_layout_is_for_one_that_there_is(method):
+    for settings in presets._read(method).values():
+        assert set((settings or {}).get("by_layout", {})) <= set(layout_names())
 
 
 def test_the_applied_column_of_table_6_1():
@@ -34,6 +42,7 @@ def test_the_applied_column_of_table_6_1():
 @pytest.mark.parametrize("method", METHODS)
 def test_the_value_coefficient_of_the_thesis_differs_on_cramped_room(method):
     assert load_config(method, "thesis", layout="cramped_room").value_coefficient == 0.01
+    assert load_config(method, "thesis", layout="cramped_room-mirrored").value_coefficient == 0.01
     assert load_config(method, "thesis,stack_states", layout="counter_circuit").value_coefficient == 0.1
     assert load_config(method, "thesis", layout="cramped_room", value_coefficient=0.5).value_coefficient == 0.5
 
