@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from stable_baselines3.common.callbacks import BaseCallback
 
-from overcooked_bench.agents.ensemble import SampledPartners
-from overcooked_bench.agents.policy import Policy, load_policy, policy_files
+from overcooked_bench.agents.policies.ensemble import SampledPartners
+from overcooked_bench.agents.policies.policy import Policy, load_policy, policy_files
 
 from .learning.algorithms import make_learner
 from .learning.command import main_of

@@ -14,10 +14,10 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from overcooked_bench.agents.ensemble import Ensemble
-from overcooked_bench.agents.neural import NeuralAgent
-from overcooked_bench.agents.policy import PolicyFiles, load_policy, policy_files
-from overcooked_bench.evaluation.play import play_episodes
+from overcooked_bench.agents.policies.ensemble import Ensemble
+from overcooked_bench.agents.policies.neural import NeuralAgent
+from overcooked_bench.agents.policies.policy import PolicyFiles, load_policy, policy_files
+from overcooked_bench.evaluation.games.play import play_episodes
 
 from .learning.algorithms import make_learner
 from .learning.command import main_of

@@ -15,10 +15,11 @@ from typing import Final
 
 import msgspec
 
-from overcooked_bench.agents.manifest import MANIFEST, check_files, read_manifest, write_manifest
-from overcooked_bench.agents.policy import PolicyFiles, load_policy, policy_files
-from overcooked_bench.agents.records import AgentRecord, Manifest, PoolAgent
-from overcooked_bench.evaluation.profile import Measured, measure
+from overcooked_bench.agents.policies.policy import PolicyFiles, load_policy, policy_files
+from overcooked_bench.agents.pools.manifest import MANIFEST, check_files, read_manifest, write_manifest
+from overcooked_bench.agents.pools.records import AgentRecord, Manifest, PoolAgent
+from overcooked_bench.errors import WrongUse
+from overcooked_bench.evaluation.pools.profile import Measured, measure
 
 from .learning.locks import locked
 from .learning.run import CONFIG_FILE, Outcome, read_json, write_json
@@ -30,7 +31,7 @@ AGENTS_FILE: Final = "agents.json"
 _TOLD_ELSEWHERE: Final = ("layout", "seed", "method", "training_seed")  # in the manifest's entry itself
 
 
-class PoolBuildError(ValueError):
+class PoolBuildError(WrongUse):
     """What lies in a folder does not belong to this pool's configuration; says what to write instead."""
 
 

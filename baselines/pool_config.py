@@ -14,6 +14,7 @@ from typing import Any, Final, Literal
 import msgspec
 import yaml
 
+from overcooked_bench.errors import WrongUse
 from overcooked_bench.kitchen.layout import layout_names
 
 from .learning.seeds import derive_seed
@@ -29,7 +30,7 @@ EARLY: Final = "early"
 """The first snapshot."""
 
 
-class PoolConfigError(ValueError):
+class PoolConfigError(WrongUse):
     """A pool's configuration cannot be found or read, or asks for what there is not; names the file and the key."""
 
 

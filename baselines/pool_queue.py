@@ -21,7 +21,7 @@ from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from typing import Any, Final
 
-from overcooked_bench.agents.pool import PoolError
+from overcooked_bench.agents.pools.pool import PoolError
 
 from .learning.locks import locked
 from .pool_build import PoolBuildError, missing, publish, train_run

@@ -18,9 +18,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.agents.ensemble import SampledPartners
-from overcooked_bench.agents.manifest import PoolError
-from overcooked_bench.agents.policy import Policy, load_policy, policy_files
+from overcooked_bench.agents.policies.ensemble import SampledPartners
+from overcooked_bench.agents.policies.policy import Policy, load_policy, policy_files
+from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.kitchen.layout import Layout
 
 from .learning.algorithms import make_learner

@@ -13,6 +13,7 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_
 
 import yaml
 
+from overcooked_bench.errors import WrongUse
 from overcooked_bench.kitchen.layout import MIRRORED, Layout, LayoutError
 
 from .learning.settings import Settings
@@ -21,7 +22,7 @@ from .methods import METHODS
 AnySettings = TypeVar("AnySettings", bound=Settings)
 
 
-class PresetError(ValueError):
+class PresetError(WrongUse):
     """There is no such method or configuration, or its file is wrong; says what to write instead."""
 
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from overcooked_bench.agents.ensemble import SampledPartners
-from overcooked_bench.agents.neural import NeuralAgent
-from overcooked_bench.agents.policy import Policy
+from overcooked_bench.agents.policies.ensemble import SampledPartners
+from overcooked_bench.agents.policies.neural import NeuralAgent
+from overcooked_bench.agents.policies.policy import Policy
 
 from .learning.algorithms import make_learner
 from .learning.command import main_of

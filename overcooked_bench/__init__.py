@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from overcooked_bench.agents.agent import UnknownLayout
     from overcooked_bench.agents.catalogue import load_agent
     from overcooked_bench.envs.parallel import parallel_env
-    from overcooked_bench.evaluation.play import play_episodes
+    from overcooked_bench.evaluation.games.play import play_episodes
     from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
     from overcooked_bench.kitchen.layout import Layout, LayoutError
     from overcooked_bench.kitchen.state import Chef, KitchenState, Soup
@@ -31,7 +31,7 @@ _HOMES = {
     "UnknownLayout": "agents.agent",
     "load_agent": "agents.catalogue",
     "parallel_env": "envs.parallel",
-    "play_episodes": "evaluation.play",
+    "play_episodes": "evaluation.games.play",
     "run_scenarios": "scenarios.runner",
 }
 

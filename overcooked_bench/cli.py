@@ -13,9 +13,10 @@ from overcooked_bench.commands.common import ProgressBar, add_command, names
 from overcooked_bench.commands.common import console as make_console
 from overcooked_bench.commands.pool import add_pool
 from overcooked_bench.commands.scenarios import add_scenarios
+from overcooked_bench.errors import OvercookedBenchError
 
 if TYPE_CHECKING:
-    from overcooked_bench.evaluation.scoring import Scored
+    from overcooked_bench.evaluation.score import Scored
 
 _EPILOG = "Each command has its own --help with an example."
 _METHODS = (
@@ -47,44 +48,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         sys.stderr.close()
         return 0
-    except Exception as error:
-        code = _exit_code(error)
-        if code is None:
-            raise
+    except (OvercookedBenchError, OSError) as error:
         print(f"overcooked-bench: {error}", file=sys.stderr)
-        return code
-
-
-def _exit_code(error: Exception) -> int | None:
-    """Gives the code of a user's mistake or an agent's fault; None for a fault of ours."""
-    from overcooked_bench.agents.checks import AgentError
-    from overcooked_bench.agents.policy import PolicyError
-    from overcooked_bench.agents.pool import PoolError
-    from overcooked_bench.evaluation.engines import EngineError
-    from overcooked_bench.evaluation.protocol import ProtocolError
-    from overcooked_bench.evaluation.scores import ScoresError
-    from overcooked_bench.evaluation.scoring import ScoringFault
-    from overcooked_bench.evaluation.store import StoreError
-    from overcooked_bench.kitchen.layout import LayoutError
-    from overcooked_bench.rendering.replay import PaceError
-    from overcooked_bench.scenarios.errors import ScenarioError, ScenarioFault
-
-    if isinstance(error, ScoringFault | ScenarioFault):
-        return 1
-    wrong_use = (
-        AgentError,
-        PolicyError,
-        PoolError,
-        EngineError,
-        ProtocolError,
-        ScoresError,
-        StoreError,
-        LayoutError,
-        PaceError,
-        ScenarioError,
-        OSError,
-    )
-    return 2 if isinstance(error, wrong_use) else None
+        return getattr(error, "exit_code", OvercookedBenchError.exit_code)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -130,8 +96,8 @@ def _add_score(commands: Any) -> None:
 
 def _score(options: argparse.Namespace) -> int:
     from overcooked_bench.commands.score_card import play_scenarios
-    from overcooked_bench.evaluation import scoring
-    from overcooked_bench.evaluation.engines import default_workers
+    from overcooked_bench.evaluation import score as scoring
+    from overcooked_bench.evaluation.games.engines import default_workers
     from overcooked_bench.evaluation.protocol import NEWEST, load_protocol
     from overcooked_bench.scenarios.errors import ScenarioFault
 
@@ -165,8 +131,8 @@ def _score(options: argparse.Namespace) -> int:
 
 def _print_score(scored: "Scored") -> None:
     from overcooked_bench.commands.score_card import SCENARIOS_FILE
-    from overcooked_bench.evaluation import scoring
-    from overcooked_bench.evaluation.tables import score_tables
+    from overcooked_bench.evaluation import score as scoring
+    from overcooked_bench.evaluation.shown.tables import score_tables
 
     scores, folder = scored
     console = make_console()
@@ -204,7 +170,7 @@ def _add_replay(commands: Any) -> None:
 
 
 def _replay(options: argparse.Namespace) -> int:
-    from overcooked_bench.evaluation.recording import find_recording
+    from overcooked_bench.evaluation.games.recording import find_recording
 
     recording = find_recording(
         options.score,
@@ -261,7 +227,7 @@ def _add_list(commands: Any) -> None:
 
 def _list(options: argparse.Namespace) -> int:
     from overcooked_bench.agents.catalogue import catalogue
-    from overcooked_bench.agents.pool import shipped_pools
+    from overcooked_bench.agents.pools.pool import shipped_pools
     from overcooked_bench.evaluation.protocol import protocol_names
     from overcooked_bench.kitchen.layout import layout_names
 

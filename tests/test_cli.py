@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from tests.evaluation.games import protocol_text, write_agent
+from tests.evaluation.made import protocol_text, write_agent
 
 PROGRAM = [sys.executable, "-c", "import sys; from overcooked_bench.cli import main; sys.exit(main())"]
 

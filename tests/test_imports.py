@@ -57,15 +57,18 @@ def test_an_unknown_name_is_an_attribute_error():
         overcooked_bench.Kitchn  # noqa: B018
 
 
-# What each room may import, besides itself.
+GROUND = {"errors", "estimate", "files", "shelf"}
+"""Modules that every room may import, and that import nothing of ours but each other."""
+
+# What each room may import, besides itself and the ground.
 KNOWS = {
     "kitchen": set(),
     "rendering": {"kitchen"},
     "agents": {"kitchen"},
     "envs": {"kitchen", "agents", "rendering"},
-    "evaluation": {"kitchen", "agents", "rendering"},
     "scenarios": {"kitchen", "agents", "envs", "rendering"},
-    "commands": {"kitchen", "rendering", "agents", "envs", "evaluation", "scenarios"},
+    "evaluation": {"kitchen", "agents", "rendering", "scenarios"},
+    "commands": {"kitchen", "rendering", "agents", "envs", "evaluation", "scenarios", "baselines"},
 }
 
 
@@ -88,7 +91,7 @@ def test_every_room_has_its_rule():
 
 @pytest.mark.parametrize("room", KNOWS)
 def test_a_room_imports_only_what_it_may_know(room):
-    allowed = {room, *KNOWS[room]}
+    allowed = {room, *KNOWS[room], *GROUND}
     for path in (PACKAGE / room).rglob("*.py"):
         for name in imported(path):
             found = re.match(r"overcooked_bench\.(\w+)", name)
@@ -96,10 +99,50 @@ def test_a_room_imports_only_what_it_may_know(room):
             assert name.partition(".")[0] not in ("baselines", "protocols", "unit_scenarios", "tests")
 
 
-def test_nothing_imports_the_baselines_or_the_command_line():
+@pytest.mark.parametrize("module", sorted(GROUND))
+def test_the_ground_imports_no_room(module):
+    path = PACKAGE / f"{module}.py"
+    if path.is_file():
+        ours = {name for name in imported(path) if name.startswith("overcooked_bench")}
+        assert ours <= {f"overcooked_bench.{other}" for other in GROUND}
+
+
+def modules() -> dict[str, Path]:
+    """All modules of the package and of the baselines by their full names."""
+    found = {f"overcooked_bench.{path.relative_to(PACKAGE).with_suffix('')}": path for path in PACKAGE.rglob("*.py")}
+    for path in BASELINES.rglob("*.py"):
+        found[f"overcooked_bench.baselines.{path.relative_to(BASELINES).with_suffix('')}"] = path
+    return {name.replace("/", ".").removesuffix(".__init__"): path for name, path in found.items()}
+
+
+def edges(name: str, path: Path, known: dict[str, Path]) -> set[str]:
+    """The modules of ours that a module imports, at its top or inside its functions, or names in annotations only."""
+    package, found = name if path.name == "__init__.py" else name.rpartition(".")[0], set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            home = ".".join(package.split(".")[: len(package.split(".")) - node.level + 1]) if node.level else ""
+            base = ".".join(part for part in (home, node.module) if part)
+            found |= {full if (full := f"{base}.{alias.name}") in known else base for alias in node.names}
+    return {other for other in found if other in known and other != name}
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    known = modules()
+    left = {name: edges(name, path, known) for name, path in known.items() if path.name != "__init__.py"}
+    while free := [name for name, needs in left.items() if not needs & left.keys()]:
+        for name in free:
+            del left[name]
+    assert not left, f"in a circle, or above one: {left}"
+
+
+def test_nothing_but_commands_imports_the_baselines_and_nothing_the_command_line():
     for path in PACKAGE.rglob("*.py"):
+        room = path.relative_to(PACKAGE).parts[0]
         for name in imported(path):
-            assert not name.startswith(("overcooked_bench.baselines", "overcooked_bench.cli")), f"{path.name}: {name}"
+            assert room in ("commands", "cli.py") or not name.startswith("overcooked_bench.baselines"), path.name
+            assert not name.startswith("overcooked_bench.cli"), f"{path.name}: {name}"
     for path in BASELINES.rglob("*.py"):
         assert not any(name.startswith("overcooked_bench.cli") for name in imported(path)), path.name
 

@@ -8,7 +8,7 @@ import pytest
 
 from overcooked_bench import play_episodes
 from overcooked_bench.agents import UnknownLayout
-from overcooked_bench.agents.submission import load_submission
+from overcooked_bench.agents.submissions.loading import load_submission
 
 README = (Path(__file__).parents[1] / "README.md").read_text("utf-8")
 BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
@@ -57,8 +57,8 @@ def test_a_script_runs(text):
 
 
 def test_the_scenario_stands_the_gates(tmp_path):
-    from overcooked_bench.scenarios.gates import check
-    from overcooked_bench.scenarios.loading import load_scenario
+    from overcooked_bench.scenarios.language.loading import load_scenario
+    from overcooked_bench.scenarios.solving.gates import check
 
     (text,) = re.findall(r"```yaml\n(.*?)```", README, re.DOTALL)
     name = text.partition("id: ")[2].partition("\n")[0]
@@ -69,11 +69,11 @@ def test_the_scenario_stands_the_gates(tmp_path):
 
 
 def test_whoever_writes_a_scenario_finds_every_word_here():
-    from overcooked_bench.agents.scripts.parsing import KINDS, MANNERS, TIMED
+    from overcooked_bench.agents.behaviours.parsing import KINDS, MANNERS, TIMED
     from overcooked_bench.scenarios import CATEGORIES
-    from overcooked_bench.scenarios.counters import EVENTS
-    from overcooked_bench.scenarios.loading import CHEF_KEYS, KEYS
-    from overcooked_bench.scenarios.predicates import _AFTER_CHEF
+    from overcooked_bench.scenarios.language.counters import EVENTS
+    from overcooked_bench.scenarios.language.loading import CHEF_KEYS, KEYS
+    from overcooked_bench.scenarios.language.predicates import _AFTER_CHEF
 
     chapter = README.partition("### Write a scenario")[2].partition("\n## ")[0]
     parameters = {key for kind in KINDS.values() for key in (*kind.needs, *kind.may)}
@@ -82,7 +82,7 @@ def test_whoever_writes_a_scenario_finds_every_word_here():
 
 
 def test_every_option_of_the_plugin_is_told():
-    from overcooked_bench.scenarios.pytest_plugin import pytest_addoption
+    from overcooked_bench.scenarios.plugin.hooks import pytest_addoption
 
     class Parser:
         options: ClassVar[list[str]] = []

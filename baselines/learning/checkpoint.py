@@ -17,13 +17,14 @@ from stable_baselines3 import DQN
 from stable_baselines3.common.buffers import ReplayBuffer
 
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
+from overcooked_bench.errors import WrongUse
 
 from .algorithms import AnyLearner
 
 FORMAT: Final = 1
 
 
-class CheckpointError(ValueError):
+class CheckpointError(WrongUse):
     """A checkpoint is missing, damaged or of another run."""
 
 

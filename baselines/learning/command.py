@@ -10,9 +10,9 @@ from typing import Annotated, Any, Final, TypeVar
 import tyro
 
 from overcooked_bench.agents.agent import UnknownLayout
-from overcooked_bench.agents.checks import AgentError
-from overcooked_bench.agents.manifest import PoolError
-from overcooked_bench.agents.policy import PolicyError
+from overcooked_bench.agents.policies.policy import PolicyError
+from overcooked_bench.agents.pools.manifest import PoolError
+from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.evaluation.statistics import t_interval
 from overcooked_bench.kitchen.layout import Layout, LayoutError
 

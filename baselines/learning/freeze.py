@@ -8,9 +8,9 @@ import torch
 from stable_baselines3 import DQN
 from stable_baselines3.common.base_class import BaseAlgorithm
 
-from overcooked_bench.agents.neural import NeuralAgent
-from overcooked_bench.agents.policy import ARCHITECTURES, PolicyFiles, load_policy, save_policy
-from overcooked_bench.evaluation.play import play_episodes
+from overcooked_bench.agents.policies.neural import NeuralAgent
+from overcooked_bench.agents.policies.policy import ARCHITECTURES, PolicyFiles, load_policy, save_policy
+from overcooked_bench.evaluation.games.play import play_episodes
 from overcooked_bench.kitchen.layout import Layout
 
 from .networks import Trunk, TrunkPolicy

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 
-from overcooked_bench.agents.policy import policy_files
+from overcooked_bench.agents.policies.policy import policy_files
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 
 from .checkpoint import save_checkpoint

@@ -8,12 +8,12 @@ import numpy as np
 
 from overcooked_bench.agents.agent import Agent
 from overcooked_bench.agents.catalogue import load_agent
-from overcooked_bench.agents.ensemble import SampledPartners
-from overcooked_bench.agents.manifest import MANIFEST, PoolError
-from overcooked_bench.agents.neural import NeuralAgent
-from overcooked_bench.agents.policy import Policy, PolicyFiles, load_policy
-from overcooked_bench.agents.pool import Pool, shipped_pools
-from overcooked_bench.evaluation.play import play_episodes
+from overcooked_bench.agents.policies.ensemble import SampledPartners
+from overcooked_bench.agents.policies.neural import NeuralAgent
+from overcooked_bench.agents.policies.policy import Policy, PolicyFiles, load_policy
+from overcooked_bench.agents.pools.manifest import MANIFEST, PoolError
+from overcooked_bench.agents.pools.pool import Pool, shipped_pools
+from overcooked_bench.evaluation.games.play import play_episodes
 from overcooked_bench.evaluation.protocol import load_protocol, protocol_names
 from overcooked_bench.kitchen.layout import Layout
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from overcooked_bench.agents.policy import Policy, PolicyFiles, load_policy
+from overcooked_bench.agents.policies.policy import Policy, PolicyFiles, load_policy
 
 from ..self_play import Config as SelfPlay
 from ..self_play import train as train_self_play

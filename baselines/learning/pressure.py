@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 import torch
 
-from overcooked_bench.agents.policy import Architecture, Policy
+from overcooked_bench.agents.policies.policy import Architecture, Policy
 
 _CHUNK: Final = 4096
 FLOOR: Final = -20.0

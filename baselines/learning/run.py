@@ -12,8 +12,9 @@ import torch
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger, make_output_format
 
-from overcooked_bench.agents.policy import PolicyFiles, policy_files
+from overcooked_bench.agents.policies.policy import PolicyFiles, policy_files
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
+from overcooked_bench.errors import WrongUse
 from overcooked_bench.kitchen.layout import Layout
 
 from .algorithms import AnyLearner
@@ -76,7 +77,7 @@ class Outcome:
         return self.seconds + sum(part.total_seconds for part in self.parts)
 
 
-class UnfitError(ValueError):
+class UnfitError(WrongUse):
     """The settings do not fit the layout or the machine, as a standard start where the grid names no start cells."""
 
 

@@ -12,15 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from overcooked_bench.agents.draws import sample_actions, uniforms
+from overcooked_bench.errors import AgentFault, WrongUse
 
 __all__ = ["Agent", "GameError", "UnknownLayout", "one_game_at_a_time", "sample_actions", "uniforms"]
 
 
-class UnknownLayout(ValueError):
+class UnknownLayout(WrongUse):
     """An agent cannot play the layout that it was asked to play; scoring lists that layout as not attempted."""
 
 
-class GameError(RuntimeError):
+class GameError(AgentFault):
     """One of the players of `one_game_at_a_time` failed or answered with no action.
 
     Attributes:

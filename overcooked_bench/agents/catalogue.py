@@ -5,15 +5,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from overcooked_bench.agents.agent import Agent, UnknownLayout
-from overcooked_bench.agents.checks import AgentError
-from overcooked_bench.agents.manifest import MANIFEST, read_manifest
-from overcooked_bench.agents.pool import Pool, find_pool, shipped_pools
+from overcooked_bench.agents.pools.manifest import MANIFEST, read_manifest
+from overcooked_bench.agents.pools.pool import Pool, find_pool, shipped_pools
 from overcooked_bench.agents.scripted import SCRIPTED, make_scripted
-from overcooked_bench.agents.submission import ENTRY, load_submission
+from overcooked_bench.agents.submissions.checks import AgentError
+from overcooked_bench.agents.submissions.loading import ENTRY, load_submission
 
 if TYPE_CHECKING:
-    from overcooked_bench.agents.neural import Mode
-    from overcooked_bench.agents.policy import Policy
+    from overcooked_bench.agents.policies.neural import Mode
+    from overcooked_bench.agents.policies.policy import Policy
 
 SCRIPT: Final = "script:"
 """What the name of a scenario's partner begins with; its behaviour follows, as scenarios write it (`parsing.py`)."""
@@ -26,7 +26,7 @@ def catalogue() -> list[str]:
 
     Of the partners of scenarios, those that need to be told nothing: more can be named, see `load_agent`.
     """
-    from overcooked_bench.agents.scripts.parsing import KINDS
+    from overcooked_bench.agents.behaviours.parsing import KINDS
 
     scripts = [SCRIPT + name for name, kind in KINDS.items() if not kind.needs]
     frozen = []
@@ -61,7 +61,7 @@ def load_agent(name_or_path: str | Path, layout: str, training_seed: int = 0, mo
     if path.suffix == ".py" or (path / ENTRY).is_file():
         return load_submission(path).make_agent(layout, training_seed)
     if path.suffix in _POLICY_SUFFIXES:
-        from overcooked_bench.agents.policy import load_policy
+        from overcooked_bench.agents.policies.policy import load_policy
 
         return _frozen(load_policy(path), name, layout, mode)
     parts = name.rsplit("/", 2)
@@ -73,8 +73,8 @@ def load_agent(name_or_path: str | Path, layout: str, training_seed: int = 0, mo
 
 
 def _script(name: str) -> Agent:
-    from overcooked_bench.agents.scripts.behaviour import ScriptAgent
-    from overcooked_bench.agents.scripts.parsing import behaviour_from_text
+    from overcooked_bench.agents.behaviours.behaviour import ScriptAgent
+    from overcooked_bench.agents.behaviours.parsing import behaviour_from_text
 
     try:
         return ScriptAgent(behaviour_from_text(name.removeprefix(SCRIPT)))
@@ -86,7 +86,7 @@ def _frozen(policy: "Policy", name: str, layout: str, mode: "Mode") -> Agent:
     trained_on = policy.architecture.layout
     if layout != trained_on:
         raise UnknownLayout(f"{name} was trained on {trained_on!r} and cannot play {layout!r}")
-    from overcooked_bench.agents.neural import NeuralAgent
+    from overcooked_bench.agents.policies.neural import NeuralAgent
 
     return NeuralAgent(policy, mode)
 

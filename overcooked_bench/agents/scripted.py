@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import Agent, sample_actions, uniforms
-from overcooked_bench.agents.planning import make_plan
+from overcooked_bench.agents.planner.tables import make_tables
 from overcooked_bench.kitchen.codes import NUM_ACTIONS, STAY
 from overcooked_bench.kitchen.layout import Layout
 
@@ -88,7 +88,7 @@ class Planner:
 
     def __init__(self, name: str, layout: Layout) -> None:
         self._role = _PLANNERS.index(name)
-        self._layout, self._plan = layout, make_plan(layout)
+        self._layout, self._plan = layout, make_tables(layout)
         self._seeds: NDArray[np.uint64] = np.zeros(0, np.uint64)
         self._step = 0
 
@@ -98,11 +98,11 @@ class Planner:
         Raises:
             LayoutError: No such layout.
         """
-        from overcooked_bench.agents.looking import FACTS
+        from overcooked_bench.agents.planner.facts import FACTS
 
         if layout != self._layout.name:
             self._layout = Layout.load(layout)
-            self._plan = make_plan(self._layout)
+            self._plan = make_tables(self._layout)
         self._seeds = np.asarray(seeds, np.uint64) + np.asarray(seats, np.uint64) * np.uint64(_SEAT_SALT)
         self._step = 0
         self._facts = np.zeros((len(self._seeds), FACTS), np.int64)
@@ -116,10 +116,10 @@ class Planner:
         Raises:
             ValueError: Another shape than the rows and the layout of `reset` have.
         """
-        from overcooked_bench.agents.errands import choose
-        from overcooked_bench.agents.looking import look, trust
-        from overcooked_bench.agents.walking import walk
-        from overcooked_bench.agents.weighing import weigh
+        from overcooked_bench.agents.planner.errands import choose
+        from overcooked_bench.agents.planner.facts import look, trust
+        from overcooked_bench.agents.planner.steering import walk
+        from overcooked_bench.agents.planner.weighing import weigh
 
         layout, facts = self._layout, self._facts
         wanted = (len(self._seeds), 26, layout.height, layout.width)

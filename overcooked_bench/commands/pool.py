@@ -66,8 +66,8 @@ def _add_show(commands: Any) -> None:
 
 
 def _show(options: argparse.Namespace) -> int:
-    from overcooked_bench.agents.pool import Pool
-    from overcooked_bench.evaluation.pool_tables import pool_tables
+    from overcooked_bench.agents.pools.pool import Pool
+    from overcooked_bench.evaluation.shown.pool_tables import pool_tables
 
     pool = Pool.load(options.pool)
     layouts = _layouts(pool, options.layouts)
@@ -91,7 +91,7 @@ def _add_verify(commands: Any) -> None:
 
 
 def _verify(options: argparse.Namespace) -> int:
-    from overcooked_bench.evaluation.verify import verify_pool
+    from overcooked_bench.evaluation.pools.verify import verify_pool
 
     with ProgressBar("loading") as tell:
         verdict = verify_pool(options.pool, on_progress=tell)
@@ -130,11 +130,11 @@ def _add_crossplay(commands: Any) -> None:
 def _crossplay(options: argparse.Namespace) -> int:
     from pathlib import Path
 
-    from overcooked_bench.agents.pool import Pool
-    from overcooked_bench.evaluation.crossplay import choose, cross_play
-    from overcooked_bench.evaluation.engines import default_workers
-    from overcooked_bench.evaluation.heatmap import draw_heat_map
-    from overcooked_bench.evaluation.pool_tables import crossplay_tables
+    from overcooked_bench.agents.pools.pool import Pool
+    from overcooked_bench.evaluation.games.engines import default_workers
+    from overcooked_bench.evaluation.pools.crossplay import choose, cross_play
+    from overcooked_bench.evaluation.shown.heatmap import draw_heat_map
+    from overcooked_bench.evaluation.shown.pool_tables import crossplay_tables
 
     pool = Pool.load(options.pool)
     folder = Path(options.output) if options.output else Path("crossplay") / pool.name
@@ -172,7 +172,7 @@ def _layouts(pool: Any, wanted: list[str] | None) -> tuple[str, ...]:
     Raises:
         PoolError: The pool has no agents for one of them.
     """
-    from overcooked_bench.agents.pool import PoolError
+    from overcooked_bench.agents.pools.pool import PoolError
 
     strange = sorted(set(wanted or ()) - set(pool.layouts))
     if strange:

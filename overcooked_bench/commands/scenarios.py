@@ -12,10 +12,10 @@ from overcooked_bench.scenarios import CATEGORIES
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from overcooked_bench.scenarios.gates import GateReport
     from overcooked_bench.scenarios.items import Item
     from overcooked_bench.scenarios.results import SuiteResult
     from overcooked_bench.scenarios.scenario import Scenario
+    from overcooked_bench.scenarios.solving.gates import GateReport
 
 _SELECT = "ids or their beginnings, categories, families, tags, patterns, files or folders"
 
@@ -92,8 +92,8 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _print_result(result: "SuiteResult", options: argparse.Namespace) -> None:
-    from overcooked_bench.scenarios.comparing import category_table
-    from overcooked_bench.scenarios.explaining import explain, headline
+    from overcooked_bench.scenarios.shown.comparing import category_table
+    from overcooked_bench.scenarios.shown.explaining import explain, headline
 
     failed = [one for one in result.items if not one.passed]
     settings = {"mode": options.mode, "training_seed": options.training_seed, "warmup": options.warmup}
@@ -156,10 +156,10 @@ def _add_compare(commands: Any) -> None:
 def _compare(options: argparse.Namespace) -> int:
     import json
 
-    from overcooked_bench.scenarios.comparing import agents_table
     from overcooked_bench.scenarios.entrants import agent_factory
     from overcooked_bench.scenarios.items import load_items
     from overcooked_bench.scenarios.runner import run_items
+    from overcooked_bench.scenarios.shown.comparing import agents_table
 
     chosen, played = load_items(options.select), {}
     makers = {agent: agent_factory(agent, options.mode) for agent in options.agents}
@@ -181,7 +181,7 @@ def _list(options: argparse.Namespace) -> int:
     import json
 
     from overcooked_bench.scenarios.items import load_scenarios
-    from overcooked_bench.scenarios.lock import known_entry
+    from overcooked_bench.scenarios.solving.lock import known_entry
 
     rows: list[dict[str, Any]] = []
     for scenario in load_scenarios(options.select or None):
@@ -231,7 +231,7 @@ def _add_show(commands: Any) -> None:
 
 def _show(options: argparse.Namespace) -> int:
     from overcooked_bench.scenarios.items import load_scenarios
-    from overcooked_bench.scenarios.showing import show, show_solution
+    from overcooked_bench.scenarios.shown.showing import show, show_solution
 
     for number, scenario in enumerate(load_scenarios(options.select)):
         situation = scenario.seated(options.seat or 0, options.mirrored)
@@ -258,9 +258,9 @@ def _add_check(commands: Any) -> None:
 def _check(options: argparse.Namespace) -> int:
     import json
 
-    from overcooked_bench.scenarios.gates import check_all
     from overcooked_bench.scenarios.items import load_scenarios
-    from overcooked_bench.scenarios.showing import show_solution
+    from overcooked_bench.scenarios.shown.showing import show_solution
+    from overcooked_bench.scenarios.solving.gates import check_all
 
     chosen = load_scenarios(options.select)
     with ProgressBar("compiling and loading") as tell:
@@ -305,7 +305,7 @@ def _report_json(report: "GateReport") -> dict[str, Any]:
 
 def _write_locks(scenarios: "list[Scenario]") -> "list[Path]":
     from overcooked_bench.scenarios.items import read_files
-    from overcooked_bench.scenarios.lock import lock_path, write_lock
+    from overcooked_bench.scenarios.solving.lock import lock_path, write_lock
 
     written = sorted({lock_path(scenario) for scenario in scenarios})
     for file in written:
@@ -330,8 +330,8 @@ def _add_new(commands: Any) -> None:
 def _new(options: argparse.Namespace) -> int:
     from pathlib import Path
 
-    from overcooked_bench.scenarios.loading import read_scenario
-    from overcooked_bench.scenarios.template import template
+    from overcooked_bench.scenarios.language.loading import read_scenario
+    from overcooked_bench.scenarios.language.template import template
 
     file = Path(options.output) / f"{options.id}.scenario.yaml"
     text = template(options.id, options.layout, options.category)

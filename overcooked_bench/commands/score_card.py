@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from overcooked_bench.evaluation.scores import CategoryScore, Estimate, ScenarioScore, Source
 
 if TYPE_CHECKING:
-    from overcooked_bench.evaluation.scoring import Scored
+    from overcooked_bench.evaluation.score import Scored
     from overcooked_bench.scenarios.items import Item
     from overcooked_bench.scenarios.results import SuiteResult, Tally
 
@@ -83,7 +83,7 @@ def _category(name: str, results: "Sequence[SuiteResult]") -> CategoryScore:
 
 def _digest(items: "Sequence[Item]") -> str:
     """Computes the hash of what is played."""
-    from overcooked_bench.scenarios.lock import definition
+    from overcooked_bench.scenarios.solving.lock import definition
 
     told = {f"{scenario.id} {definition(scenario)}" for item in items for scenario in item.scenarios}
     return sha256("\n".join(sorted(told)).encode()).hexdigest()

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import Agent
-from overcooked_bench.agents.ensemble import JoinedAgents
-from overcooked_bench.agents.neural import NeuralAgent
+from overcooked_bench.agents.policies.ensemble import JoinedAgents
+from overcooked_bench.agents.policies.neural import NeuralAgent
 from overcooked_bench.envs.seatmate import STATE, Seatmate, find_partner
 from overcooked_bench.kitchen.kitchens import Kitchens
 from overcooked_bench.kitchen.layout import Layout

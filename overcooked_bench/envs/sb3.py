@@ -15,10 +15,10 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from overcooked_bench.agents.agent import Agent
+from overcooked_bench.envs.episode_log import EpisodeLog, generator_state, set_generator_state
 from overcooked_bench.envs.event_rewards import event_weights
 from overcooked_bench.envs.frames import frame
 from overcooked_bench.envs.partners import Partners
-from overcooked_bench.envs.recording import Recording, generator_state, set_generator_state
 from overcooked_bench.envs.seatmate import RANDOM_SEAT, STAY_ACTION, checked_seat
 from overcooked_bench.envs.spaces import action_space, history_for, observation_space
 from overcooked_bench.kitchen.kitchens import Kitchens
@@ -94,7 +94,7 @@ class OvercookedVecEnv(VecEnv):
         self._shaping = float(shaping)
         self._num_kitchens = num_envs
         self._rng = np.random.default_rng()
-        self._recording = Recording(num_envs)
+        self._recording = EpisodeLog(num_envs)
         self._joint = np.full((num_envs, 2), STAY_ACTION, np.int64)
         rows = 2 * num_envs if self_play else num_envs
         self._returns = np.zeros(rows)

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from overcooked_bench.agents.agent import Agent
-from overcooked_bench.agents.checks import AgentError
-from overcooked_bench.agents.submission import ENTRY, Submission, load_submission
+from overcooked_bench.agents.submissions.checks import AgentError
+from overcooked_bench.agents.submissions.loading import ENTRY, Submission, load_submission
 
 if TYPE_CHECKING:
-    from overcooked_bench.agents.policy import Policy
+    from overcooked_bench.agents.policies.policy import Policy
 
 
 class Entrant(NamedTuple):
@@ -44,9 +44,9 @@ def identify(agent: str | Path) -> Entrant:
         PoolError: A damaged pool.
         PolicyError: A damaged policy.
     """
+    from overcooked_bench.agents.behaviours.parsing import VERSION
     from overcooked_bench.agents.catalogue import SCRIPT, load_agent
     from overcooked_bench.agents.scripted import SCRIPTED
-    from overcooked_bench.agents.scripts.parsing import VERSION
 
     name, path = str(agent), Path(agent)
     if name in SCRIPTED:
@@ -116,9 +116,9 @@ def _check_hash(reference: str, found: str, expected: str) -> None:
 
 
 def _frozen(name: str) -> "Policy | None":
-    from overcooked_bench.agents.manifest import MANIFEST, read_manifest
-    from overcooked_bench.agents.policy import load_policy
-    from overcooked_bench.agents.pool import Pool, find_pool, shipped_pools
+    from overcooked_bench.agents.policies.policy import load_policy
+    from overcooked_bench.agents.pools.manifest import MANIFEST, read_manifest
+    from overcooked_bench.agents.pools.pool import Pool, find_pool, shipped_pools
 
     if name.endswith((".safetensors", ".json")):
         return load_policy(name)

@@ -8,6 +8,8 @@ from typing import Final, Literal
 
 import msgspec
 
+from overcooked_bench.errors import WrongUse
+
 NEWEST: Final = "dev"
 """The protocol that is played where none is named."""
 
@@ -17,7 +19,7 @@ MOST_STEPS: Final = 10_000
 _PACKAGE = "overcooked_bench.protocols"
 
 
-class ProtocolError(ValueError):
+class ProtocolError(WrongUse):
     """A protocol cannot be found or read; the message names the file and the key."""
 
 

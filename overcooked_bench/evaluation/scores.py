@@ -6,12 +6,13 @@ from typing import Any, Final
 
 import msgspec
 
+from overcooked_bench.errors import WrongUse
 from overcooked_bench.evaluation.protocol import Protocol
 
 SCHEMA: Final = 1
 
 
-class ScoresError(ValueError):
+class ScoresError(WrongUse):
     """A score.json cannot be read; the message names the file and the entry."""
 
 

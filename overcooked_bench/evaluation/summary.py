@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.evaluation import statistics
+from overcooked_bench.evaluation.games.roster import FLOOR
+from overcooked_bench.evaluation.games.store import Store
 from overcooked_bench.evaluation.protocol import Protocol
-from overcooked_bench.evaluation.roster import FLOOR
 from overcooked_bench.evaluation.scores import Cell, CurvePoint, Estimate, LayoutScore, ThresholdScore
-from overcooked_bench.evaluation.store import Store
 from overcooked_bench.kitchen.layout import DEFAULT_SOUP_REWARD
 
 

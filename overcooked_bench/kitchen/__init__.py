@@ -1,1 +1,1 @@
-"""."""
+"""The game: rules, layouts, states, starts, observations and events, for thousands of kitchens at once."""

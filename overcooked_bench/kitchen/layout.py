@@ -9,6 +9,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+from overcooked_bench.errors import WrongUse
 from overcooked_bench.kitchen.codes import DIRECTIONS, MAX_INGREDIENTS, RECIPES, TILE_NAMES, TILES, Position, Recipe
 
 MIRRORED = "-mirrored"
@@ -21,7 +22,7 @@ PerRecipe = float | Mapping[str, float] | Sequence[float]
 """One number for all, one for each ingredient, or one for each order."""
 
 
-class LayoutError(ValueError):
+class LayoutError(WrongUse):
     """A grid or its menu breaks a rule; the message says where and what to write instead."""
 
 

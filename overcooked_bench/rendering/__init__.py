@@ -1,1 +1,1 @@
-"""."""
+"""Pictures of kitchens: RGB, text, GIF and replay."""

@@ -12,6 +12,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from overcooked_bench.errors import WrongUse
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.state import KitchenState
 from overcooked_bench.rendering.gif import write_gif
@@ -23,7 +24,7 @@ Frame = tuple[KitchenState, float]
 """A state, and the points (soup reward of both chefs) earned until then."""
 
 
-class PaceError(ValueError):
+class PaceError(WrongUse):
     """An episode cannot be shown at this pace; the message says what to give."""
 
 

@@ -10,7 +10,7 @@ from overcooked_bench.scenarios.scenario import Situation
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.agent import Agent
-    from overcooked_bench.agents.neural import Mode
+    from overcooked_bench.agents.policies.neural import Mode
 
 AgentFactory = Callable[[str, int], "Agent"]
 """`make_agent(layout, training_seed)`, as submissions define it."""
@@ -32,7 +32,7 @@ def agent_factory(agent: str | Path | AgentFactory, mode: "Mode" = "sample") -> 
         PoolError: There is no such pool, or it is damaged.
     """
     from overcooked_bench.agents.catalogue import load_agent
-    from overcooked_bench.agents.submission import ENTRY, load_submission
+    from overcooked_bench.agents.submissions.loading import ENTRY, load_submission
 
     if not isinstance(agent, str | Path):
         return agent
@@ -67,8 +67,8 @@ def ways(make_agent: AgentFactory, situation: Situation, seed: int) -> Iterator[
 
 def _one_for_each(name: str, mode: "Mode") -> AgentFactory:
     from overcooked_bench.agents.catalogue import load_agent
-    from overcooked_bench.agents.manifest import read_manifest
-    from overcooked_bench.agents.pool import Pool, find_pool
+    from overcooked_bench.agents.pools.manifest import read_manifest
+    from overcooked_bench.agents.pools.pool import Pool, find_pool
 
     folder = find_pool(name.rsplit("/", 2)[0])
     pool = Pool(folder, read_manifest(folder))

@@ -1,9 +1,11 @@
 """What can be wrong with a scenario file, and with who plays it."""
 
+from overcooked_bench.errors import AgentFault, WrongUse
 
-class ScenarioError(ValueError):
+
+class ScenarioError(WrongUse):
     """A scenario cannot be found or read; the message names the file and the line, and says what to write instead."""
 
 
-class ScenarioFault(RuntimeError):
+class ScenarioFault(AgentFault):
     """The tested agent broke the contract while it played a scenario."""

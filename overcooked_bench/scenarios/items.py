@@ -11,7 +11,7 @@ from typing import Final
 
 from overcooked_bench.scenarios import CATEGORIES
 from overcooked_bench.scenarios.errors import ScenarioError
-from overcooked_bench.scenarios.loading import SUFFIX, load_scenario
+from overcooked_bench.scenarios.language.loading import SUFFIX, load_scenario
 from overcooked_bench.scenarios.scenario import SEATS, Scenario, Situation
 
 PAIR: Final = "-pair"
@@ -63,6 +63,12 @@ class Item:
     def seat(self) -> int | None:
         """A's seat; None for pairs, which are played from both."""
         return None if self.is_pair else self.situations[0].seat
+
+    @property
+    def kitchen(self) -> tuple[str, str, bool]:
+        """What items have to share to be played at once: layout, cooking mode, mirrored or not."""
+        situation = self.situations[0]
+        return situation.layout.name, situation.scenario.cooking, situation.mirrored
 
 
 def items(scenarios: Iterable[Scenario]) -> list[Item]:

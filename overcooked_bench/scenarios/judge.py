@@ -8,9 +8,9 @@ from numpy.typing import ArrayLike
 
 from overcooked_bench.kitchen.codes import STAY
 from overcooked_bench.kitchen.state import KitchenState
+from overcooked_bench.scenarios.language.terms import Condition, Either
 from overcooked_bench.scenarios.scenario import Situation
 from overcooked_bench.scenarios.stage import Part, Stage
-from overcooked_bench.scenarios.terms import Condition, Either
 
 
 class Truth(NamedTuple):

@@ -11,21 +11,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import GameError, UnknownLayout
-from overcooked_bench.agents.checks import AgentError, check_actions, check_agent
+from overcooked_bench.agents.submissions.checks import AgentError, check_actions, check_agent
 from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.kitchen.kitchens import HISTORY, STACKED
 from overcooked_bench.scenarios.entrants import AgentFactory, agent_factory, ways
 from overcooked_bench.scenarios.errors import ScenarioFault
 from overcooked_bench.scenarios.items import Item, Select, load_items
 from overcooked_bench.scenarios.judge import Run, replay
-from overcooked_bench.scenarios.lock import budget_of, known_entry
 from overcooked_bench.scenarios.results import PASS_RATE, Failure, ItemResult, SuiteResult
 from overcooked_bench.scenarios.scenario import Situation
+from overcooked_bench.scenarios.solving.lock import budget_of, known_entry
 from overcooked_bench.scenarios.stage import Part, Stage
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.agent import Agent
-    from overcooked_bench.agents.neural import Mode
+    from overcooked_bench.agents.policies.neural import Mode
 
 REPEATS: Final = 20
 MOST_ROWS: Final = 4096

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, Final
 from overcooked_bench.agents.mirror import mirror_actions, mirror_state
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.state import KitchenState
-from overcooked_bench.scenarios.terms import Condition
+from overcooked_bench.scenarios.language.terms import Condition
 
 if TYPE_CHECKING:
-    from overcooked_bench.agents.scripts.behaviour import Behaviour
+    from overcooked_bench.agents.behaviours.behaviour import Behaviour
 
 ACTIONS: Final = ("up", "down", "right", "left", "stay", "interact")
 """Names of the actions 0 to 5 in scenario files."""

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from overcooked_bench.kitchen.codes import STAY
 from overcooked_bench.kitchen.kitchens import Kitchens
-from overcooked_bench.scenarios.counters import Counter, count_step
+from overcooked_bench.scenarios.language.counters import Counter, count_step
+from overcooked_bench.scenarios.language.terms import Moment
 from overcooked_bench.scenarios.scenario import HORIZON, Situation
-from overcooked_bench.scenarios.terms import Moment
 
 NEVER_REACHED: Final = -1
 

@@ -1,7 +1,7 @@
 import pytest
 
-from overcooked_bench.agents.pool import write_manifest
-from tests.agents.policies import record, write_policy
+from overcooked_bench.agents.pools.pool import write_manifest
+from tests.agents.made import record, write_policy
 
 RING = {"layout": "coordination_ring", "shape": (22, 5, 5)}
 

@@ -11,11 +11,11 @@ import overcooked_bench
 from overcooked_bench import UnknownLayout, load_agent
 from overcooked_bench.agents.agent import Agent
 from overcooked_bench.agents.catalogue import catalogue
-from overcooked_bench.agents.checks import AgentError, check_actions, check_agent
-from overcooked_bench.agents.pool import PoolError
+from overcooked_bench.agents.pools.pool import PoolError
 from overcooked_bench.agents.scripted import SCRIPTED
-from overcooked_bench.agents.submission import hash_submission, load_submission
-from tests.agents.policies import write_policy
+from overcooked_bench.agents.submissions.checks import AgentError, check_actions, check_agent
+from overcooked_bench.agents.submissions.loading import hash_submission, load_submission
+from tests.agents.made import write_policy
 
 WAITS = """
 import numpy as np
@@ -228,7 +228,7 @@ def test_the_library_itself_is_not_loaded_twice(tmp_path):
     (tmp_path / "entry.py").write_text("from overcooked_bench import UnknownLayout\n" + WAITS)
     code = (
         "import sys; sys.path.insert(0, '.'); import overcooked_bench; from overcooked_bench import UnknownLayout\n"
-        "from overcooked_bench.agents.submission import load_submission\n"
+        "from overcooked_bench.agents.submissions.loading import load_submission\n"
         "load_submission('entry.py'); import overcooked_bench.agents.agent as again\n"
         "print(again.UnknownLayout is UnknownLayout)"
     )

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from overcooked_bench import Chef, Kitchens, KitchenState, Layout, Soup
-from overcooked_bench.agents.planning import targets
+from overcooked_bench.agents.planner.tables import targets
 from overcooked_bench.agents.scripted import SCRIPTED, make_scripted
 from overcooked_bench.kitchen.codes import RECIPES
 

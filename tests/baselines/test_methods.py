@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from overcooked_bench import cli
-from overcooked_bench.agents.policy import load_policy
-from overcooked_bench.agents.pool import find_pool
+from overcooked_bench.agents.policies.policy import load_policy
+from overcooked_bench.agents.pools.pool import find_pool
 from overcooked_bench.baselines import biased_self_play, pbt, population, pretrained_partners
 from overcooked_bench.baselines.learning.checkpoint import CheckpointError
 from overcooked_bench.baselines.learning.partners import partner_names

@@ -8,7 +8,7 @@ import types
 
 import pytest
 
-from overcooked_bench.agents.pool import Pool
+from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.baselines import pool_build, pool_queue
 from overcooked_bench.baselines.learning import monitor
 from overcooked_bench.baselines.pool_build import PoolBuildError, missing, publish, train_run

@@ -2,7 +2,7 @@ from dataclasses import asdict
 
 import pytest
 
-from overcooked_bench.agents.pool import Pool
+from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.baselines.learning.seeds import derive_seed
 from overcooked_bench.baselines.pool_config import PoolConfigError, load_pool_config, pool_config_names
 from tests.baselines.pools import OVERRIDES, group, pool_config, write_config

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import torch
 
-from overcooked_bench.agents.neural import NeuralAgent, PolicyStack
-from overcooked_bench.agents.policy import ARCHITECTURES, Policy, load_policy, save_policy
+from overcooked_bench.agents.policies.neural import NeuralAgent, PolicyStack
+from overcooked_bench.agents.policies.policy import ARCHITECTURES, Policy, load_policy, save_policy
 from overcooked_bench.baselines.learning.learner import Learner
 from overcooked_bench.baselines.learning.networks import TrunkPolicy, policy_kwargs
 from overcooked_bench.baselines.learning.settings import PartnerSettings

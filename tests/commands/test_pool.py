@@ -2,9 +2,9 @@ import json
 
 import pytest
 
-from overcooked_bench.agents.pool import write_manifest
+from overcooked_bench.agents.pools.pool import write_manifest
 from overcooked_bench.cli import main
-from tests.agents.policies import record, write_policy
+from tests.agents.made import record, write_policy
 
 LAYOUT = "cramped_room"
 

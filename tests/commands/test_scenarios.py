@@ -6,8 +6,8 @@ import pytest
 from overcooked_bench.cli import main
 from overcooked_bench.kitchen.layout import layout_names
 from overcooked_bench.scenarios import CATEGORIES
-from overcooked_bench.scenarios.loading import load_scenario, read_scenario
-from overcooked_bench.scenarios.template import template
+from overcooked_bench.scenarios.language.loading import load_scenario, read_scenario
+from overcooked_bench.scenarios.language.template import template
 from tests.scenarios.writing import POT, YIELD, edited
 
 POTTER = """

@@ -7,10 +7,10 @@ from rich.console import Console
 from overcooked_bench.cli import main
 from overcooked_bench.commands.score_card import play_scenarios
 from overcooked_bench.evaluation.protocol import read_protocol
+from overcooked_bench.evaluation.score import score, with_scenarios
 from overcooked_bench.evaluation.scores import read_scores
-from overcooked_bench.evaluation.scoring import score, with_scenarios
-from overcooked_bench.evaluation.tables import score_tables
-from tests.evaluation.games import protocol_text
+from overcooked_bench.evaluation.shown.tables import score_tables
+from tests.evaluation.made import protocol_text
 
 GREEDY_AND_STAY = """
 from overcooked_bench import UnknownLayout, load_agent

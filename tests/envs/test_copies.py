@@ -6,9 +6,9 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from overcooked_bench.agents.neural import NeuralAgent
+from overcooked_bench.agents.policies.neural import NeuralAgent
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
-from tests.agents.policies import make_policy
+from tests.agents.made import make_policy
 
 ID, ROWS, STEPS = "Overcooked/CrampedRoom-v0", 4, 45
 

@@ -8,13 +8,13 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from overcooked_bench import Kitchens, Layout, load_agent
-from overcooked_bench.agents.architectures import Cnn, Mlp
-from overcooked_bench.agents.ensemble import JoinedAgents
-from overcooked_bench.agents.neural import NeuralAgent
-from overcooked_bench.agents.policy import load_policy, save_policy
+from overcooked_bench.agents.policies.architectures import Cnn, Mlp
+from overcooked_bench.agents.policies.ensemble import JoinedAgents
+from overcooked_bench.agents.policies.neural import NeuralAgent
+from overcooked_bench.agents.policies.policy import load_policy, save_policy
 from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.envs.partners import Partners
-from tests.agents.policies import random_weights, small_cnn, small_mlp
+from tests.agents.made import random_weights, small_cnn, small_mlp
 from tests.envs.players import Wanderer
 
 NAME = "Overcooked/ForcedCoordination-v0"

@@ -1,9 +1,9 @@
 import pytest
 
-from overcooked_bench.agents.pool import write_manifest
+from overcooked_bench.agents.pools.pool import write_manifest
 from overcooked_bench.evaluation.protocol import read_protocol
-from tests.agents.policies import record, write_policy
-from tests.evaluation.games import protocol_text
+from tests.agents.made import record, write_policy
+from tests.evaluation.made import protocol_text
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,6 @@
 import pytest
 
-from overcooked_bench.agents.checks import AgentError
+from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.evaluation.entrant import agent_maker, identify
 
 

@@ -2,7 +2,7 @@ import pytest
 
 from overcooked_bench.evaluation.protocol import ProtocolError, load_protocol, protocol_names, read_protocol
 from overcooked_bench.kitchen.layout import layout_names
-from tests.evaluation.games import protocol_text
+from tests.evaluation.made import protocol_text
 
 
 def test_the_default_is_the_dev_protocol():

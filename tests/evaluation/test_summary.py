@@ -4,8 +4,8 @@ import msgspec
 import numpy as np
 import pytest
 
+from overcooked_bench.evaluation.games.store import Episode, Store
 from overcooked_bench.evaluation.statistics import low_quantile, t_interval
-from overcooked_bench.evaluation.store import Episode, Store
 from overcooked_bench.evaluation.summary import compute_layouts, describe_interval
 
 PARTNERS = {"ann": "trained", "bob": "trained", "cat": "scripted", "stay": "floor"}

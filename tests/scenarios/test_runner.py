@@ -5,7 +5,7 @@ import pytest
 
 from overcooked_bench import UnknownLayout, run_scenarios
 from overcooked_bench.agents import one_game_at_a_time, sample_actions
-from overcooked_bench.agents.checks import AgentError
+from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
 from overcooked_bench.scenarios.entrants import agent_factory
 from overcooked_bench.scenarios.errors import ScenarioFault

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from overcooked_bench.agents.scripted import make_scripted
-from overcooked_bench.scenarios.gates import MEAN_RANDOM, check_all
 from overcooked_bench.scenarios.items import load_items, load_scenarios, shipped_folder
-from overcooked_bench.scenarios.lock import LOCK_FILE, lock_text, read_lock, stale, unused
 from overcooked_bench.scenarios.runner import run_items
-from overcooked_bench.scenarios.solver import search_for
+from overcooked_bench.scenarios.solving.gates import MEAN_RANDOM, check_all
+from overcooked_bench.scenarios.solving.lock import LOCK_FILE, lock_text, read_lock, stale, unused
+from overcooked_bench.scenarios.solving.solver import search_for
 
 TABLE = Path(__file__).parents[2] / "docs" / "scenarios.md"
 

@@ -1,6 +1,6 @@
 """Scenario files for the tests."""
 
-from overcooked_bench.scenarios.loading import read_scenario
+from overcooked_bench.scenarios.language.loading import read_scenario
 from overcooked_bench.scenarios.scenario import Scenario
 
 YIELD = """\

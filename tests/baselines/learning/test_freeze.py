@@ -1,8 +1,8 @@
 import numpy as np
 import torch
 
-from overcooked_bench.agents.neural import PolicyStack
-from overcooked_bench.agents.policy import load_policy
+from overcooked_bench.agents.policies.neural import PolicyStack
+from overcooked_bench.agents.policies.policy import load_policy
 from overcooked_bench.baselines.best_response import Config
 from overcooked_bench.baselines.learning.algorithms import make_dqn
 from overcooked_bench.baselines.learning.freeze import freeze

@@ -1,7 +1,7 @@
 import pytest
 import torch
 
-from overcooked_bench.agents.policy import load_policy
+from overcooked_bench.agents.policies.policy import load_policy
 from overcooked_bench.baselines.learning.checkpoint import load_checkpoint, save_checkpoint
 from overcooked_bench.baselines.learning.run import UnfitError
 from overcooked_bench.baselines.self_play import main, train

@@ -3,8 +3,8 @@ import pytest
 import torch
 
 from overcooked_bench import Kitchens, Layout
-from overcooked_bench.agents.neural import PolicyStack
-from overcooked_bench.agents.policy import load_policy
+from overcooked_bench.agents.policies.neural import PolicyStack
+from overcooked_bench.agents.policies.policy import load_policy
 from overcooked_bench.baselines.learning.freeze import freeze
 from overcooked_bench.baselines.learning.inputs import spreader
 from overcooked_bench.baselines.learning.networks import CnnTrunk, Trunk, TrunkPolicy

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from overcooked_bench import Layout
-from overcooked_bench.agents.policy import load_policy
+from overcooked_bench.agents.policies.policy import load_policy
 from overcooked_bench.baselines.learning.freeze import freeze
 from overcooked_bench.baselines.learning.inputs import spreader
 from overcooked_bench.baselines.learning.learner import Batch

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 import torch
 
-from overcooked_bench.agents.policy import load_policy
+from overcooked_bench.agents.policies.policy import load_policy
 from overcooked_bench.baselines.learning import run as run_module
 from overcooked_bench.baselines.learning.checkpoint import CheckpointError
 from overcooked_bench.baselines.learning.parts import half_trained

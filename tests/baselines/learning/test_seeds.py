@@ -2,7 +2,7 @@ import hashlib
 
 import pytest
 
-from overcooked_bench.agents.pool import shipped_pools
+from overcooked_bench.agents.pools.pool import shipped_pools
 from overcooked_bench.baselines.learning.seeds import USER, derive_seed
 
 LAYOUTS = ("cramped_room", "asymmetric_advantages", "coordination_ring", "forced_coordination", "counter_circuit")

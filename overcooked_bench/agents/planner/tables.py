@@ -1,0 +1,155 @@
+"""What the scripted planners know of a layout before the game: ways, regions, recipes.
+
+Axes: C = H x W cells in row-major order, R regions of the floor.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overcooked_bench.kitchen.codes import DIRECTIONS, MAX_INGREDIENTS, RECIPES
+from overcooked_bench.kitchen.layout import Layout
+
+FAR: Final = 10_000
+"""Steps to what is out of reach."""
+
+FLOOR, COUNTER, POT, SERVING, ONIONS, TOMATOES, DISHES = range(7)
+NOTHING, ONION, TOMATO, DISH, SOUP = range(5)
+
+# Rows of `LayoutTables.grid`: what a cell is; the region of a floor cell; from a floor cell the next cell in each
+# direction, or -1 where it is no floor; and the same with tiles only.
+TILE, REGION, NEXT, BESIDE, GRID_ROWS = 0, 1, 2, 6, 10
+# Rows of `LayoutTables.onward[r]`: by item, steps from a tile to where chefs of region r bring the item; then how badly
+# a floor cell is suited for waiting; then two flags in the cells 0 and 1: whether the region reaches a pot, and a
+# serving tile.
+WAITING, FLAGS, ONWARD_ROWS = 5, 6, 7
+
+_MOST_CELLS: Final = 160  # beyond, the mate is not planned around: the table would take more than 8 MB
+_BY_A_POT, _BY_A_TILE = 8, 4  # steps that one waits further off not to be in the way
+_NEAR: Final = 3  # how much more being near the pots counts than going there
+
+
+class LayoutTables(NamedTuple):
+    """A layout in tables.
+
+    Attributes:
+        grid: (10, C) int64  see the rows above
+        ways: (C, C) int64  steps from a floor cell to a floor cell, or to the nearest cell beside a tile
+        around: (C or 1, C, C) int64  the same by the cell that the mate blocks; without the mate in large kitchens
+        onward: (R, 7, C) int64  see the rows above
+        wanted: (4, 4, 2) int64  what a pot should become, by the onions and tomatoes in it
+    """
+
+    grid: NDArray[np.int64]
+    ways: NDArray[np.int64]
+    around: NDArray[np.int64]
+    onward: NDArray[np.int64]
+    wanted: NDArray[np.int64]
+
+
+@lru_cache(maxsize=32)
+def make_tables(layout: Layout) -> LayoutTables:
+    """Works out the tables of a layout; the same ones again, not to be changed, for the same layout."""
+    kinds = dict(zip(" XPSOTD", (FLOOR, COUNTER, POT, SERVING, ONIONS, TOMATOES, DISHES), strict=True))
+    tiles = np.array([kinds[tile] for row in layout.rows for tile in row], np.int64)
+    cells, width = len(tiles), layout.width
+    grid = np.full((GRID_ROWS, cells), -1, np.int64)
+    grid[TILE] = tiles
+    for (x, y), region in layout.regions.items():
+        grid[REGION, y * width + x] = region
+        for direction, (dx, dy) in enumerate(DIRECTIONS):
+            n = (y + dy) * width + x + dx
+            grid[(NEXT if tiles[n] == FLOOR else BESIDE) + direction, y * width + x] = n
+    beside = _beside(tiles, width)
+    ways = _ways(grid, beside, -1)
+    around = ways[None]
+    if cells <= _MOST_CELLS:
+        around = np.stack([_ways(grid, beside, c) if tiles[c] == FLOOR else ways for c in range(cells)])
+    onward = np.stack([_onward(tiles, grid[REGION], ways, beside, r) for r in range(grid[REGION].max() + 1)])
+    has_onions, has_tomatoes = bool((tiles == ONIONS).any()), bool((tiles == TOMATOES).any())
+    return LayoutTables(grid, ways, around, onward, targets(layout.soup_rewards, has_onions, has_tomatoes))
+
+
+def targets(rewards: Sequence[float], onions: bool, tomatoes: bool) -> NDArray[np.int64]:
+    """Says what each content of a pot should become.
+
+    The best paid order that can be reached by adding what there is, the smallest of equals. Where none can: a pot full
+    of anything, which is cooked and served for nothing, to free the pot.
+
+    Args:
+        rewards: Reward points of a soup by recipe index, 0 for what is not ordered (`Layout.soup_rewards`).
+        onions: Whether there are onions to add.
+        tomatoes: Whether there are tomatoes to add.
+
+    Returns:
+        (4, 4, 2) int64: [onions in the pot, tomatoes in the pot] -> (onions, tomatoes) wanted.
+    """
+    sides = MAX_INGREDIENTS + 1
+    wanted = np.zeros((sides, sides, 2), np.int64)
+    ranked = sorted(zip(RECIPES, rewards, strict=True), key=lambda entry: (-entry[1], sum(entry[0]), entry[0]))
+    for o in range(sides):
+        for t in range(sides - o):
+            wanted[o, t] = (MAX_INGREDIENTS - t, t) if onions else (o, MAX_INGREDIENTS - o)
+            for (a, b), reward in ranked:
+                if reward > 0 and a >= o and b >= t and (onions or a == o) and (tomatoes or b == t):
+                    wanted[o, t] = a, b
+                    break
+    return wanted
+
+
+def _beside(tiles: NDArray[np.int64], width: int) -> list[list[int]]:
+    """Lists the floor cells from which each cell is reached: a floor cell itself, a tile's neighbours."""
+    where = []
+    for c, tile in enumerate(tiles):
+        near = [n for n in (c - width, c + width, c + 1, c - 1) if 0 <= n < len(tiles) and tiles[n] == FLOOR]
+        where.append([c] if tile == FLOOR else near)
+    return where
+
+
+def _ways(grid: NDArray[np.int64], beside: list[list[int]], blocked: int) -> NDArray[np.int64]:
+    """Measures the steps from each floor cell to each cell, not passing the blocked one (-1 for none)."""
+    cells = grid.shape[1]
+    ways = np.full((cells, cells), FAR, np.int64)
+    floor = np.flatnonzero(grid[TILE] == FLOOR)
+    for start in floor:
+        steps = {int(start): 0}
+        edge = [int(start)]
+        for c in edge:
+            for n in grid[NEXT:BESIDE, c].tolist():
+                if n >= 0 and n != blocked and n not in steps:
+                    steps[n] = steps[c] + 1
+                    edge.append(n)
+        for c in range(cells):
+            ways[start, c] = min((steps.get(n, FAR) for n in beside[c]), default=FAR)
+    return ways
+
+
+def _onward(
+    tiles: NDArray[np.int64], regions: NDArray[np.int64], ways: NDArray[np.int64], beside: list[list[int]], region: int
+) -> NDArray[np.int64]:
+    own = np.flatnonzero(regions == region)
+    in_reach = (ways[own] < FAR).any(axis=0)
+    others = np.flatnonzero((tiles == FLOOR) & (regions != region))
+    shared = in_reach & (tiles == COUNTER) & (ways[others] < FAR).any(axis=0)
+    pots, serving = in_reach & (tiles == POT), in_reach & (tiles == SERVING)
+    food_goes = pots if pots.any() else shared
+    rows = np.full((ONWARD_ROWS, len(tiles)), FAR, np.int64)
+    for item, goes in (
+        (ONION, food_goes),
+        (TOMATO, food_goes),
+        (DISH, food_goes),
+        (SOUP, serving if serving.any() else shared),
+    ):
+        steps = ways[:, goes].min(axis=1, initial=FAR)
+        for c in np.flatnonzero(in_reach):
+            rows[item, c] = min(steps[n] for n in beside[c] if regions[n] == region)
+    rows[WAITING] = _NEAR * ways[:, food_goes].min(axis=1, initial=FAR)
+    for c in own:
+        near = [k for k in range(len(tiles)) if tiles[k] > COUNTER and c in beside[k]]
+        worst = max((_BY_A_POT if tiles[k] == POT else _BY_A_TILE for k in near), default=0)
+        rows[WAITING, c] += worst if others.size == 0 else 0
+    rows[FLAGS, :2] = pots.any(), serving.any()
+    return rows

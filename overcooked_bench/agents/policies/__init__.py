@@ -1,0 +1,1 @@
+"""Frozen networks: their files, their architectures, and the agents that play them."""

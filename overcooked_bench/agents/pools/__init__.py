@@ -1,0 +1,1 @@
+"""Pools of frozen agents: manifest, records and lineage."""

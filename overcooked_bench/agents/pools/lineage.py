@@ -1,0 +1,88 @@
+"""Rules that keep the agents of pools independent of each other, from what the manifests say alone."""
+
+from collections import defaultdict
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from typing import NamedTuple, TypeVar
+
+from overcooked_bench.agents.pools.records import Manifest, PoolAgent
+
+Key = TypeVar("Key")
+
+
+class Finding(NamedTuple):
+    """Something that was noticed about a pool.
+
+    Attributes:
+        grave: Whether the pool should not be used as it is.
+        text: What, and about whom.
+    """
+
+    grave: bool
+    text: str
+
+
+def check_lineages(manifest: Manifest, others: Sequence[Manifest] = ()) -> list[Finding]:
+    """Looks for agents that are tied without saying so.
+
+    Within a pool, agents of one layout and lineage are checkpoints of one run, and agents of one seed are of one
+    lineage. Between pools nothing is shared: no seed, no lineage, no weights; equal namespaces are a warning.
+
+    Args:
+        manifest: The pool.
+        others: Pools that it must have nothing in common with.
+    """
+    found = [*_one_run(manifest), *_one_seed(manifest)]
+    for other in others:
+        found += _between(manifest, other)
+    return found
+
+
+def _one_run(manifest: Manifest) -> Iterator[Finding]:
+    for (layout, lineage), agents in _grouped(manifest.agents, lambda a: (a.layout, a.lineage)):
+        if len(agents) < 2:
+            continue
+        who = f"{layout}: {_names(agents)} are of one lineage, {lineage!r}, "
+        if any(agent.checkpoint is None for agent in agents):
+            yield Finding(True, f"{who}and do not say which checkpoints of a run they are")
+            continue
+        for key in ("method", "seed", "namespace", "configuration", "training"):
+            if any(getattr(agent, key) != getattr(agents[0], key) for agent in agents):
+                yield Finding(True, f"{who}but not checkpoints of one run: they differ in {key}")
+        for share, same in _grouped(agents, lambda a: a.checkpoint):
+            if len(same) > 1:
+                yield Finding(True, f"{who}and {_names(same)} are the same checkpoint, {share}")
+
+
+def _one_seed(manifest: Manifest) -> Iterator[Finding]:
+    for (layout, seed), agents in _grouped(manifest.agents, lambda a: (a.layout, a.seed)):
+        if len({agent.lineage for agent in agents}) > 1:
+            yield Finding(True, f"{layout}: {_names(agents)} have the training seed {seed} and different lineages")
+
+
+def _between(manifest: Manifest, other: Manifest) -> Iterator[Finding]:
+    ours, theirs = manifest.agents, other.agents
+    keys: list[tuple[str, Callable[[PoolAgent], Hashable]]] = [
+        ("the training seed", lambda a: (a.layout, a.seed)),
+        ("the lineage", lambda a: a.lineage),
+        ("the weights", lambda a: a.files.weights.sha256),
+    ]
+    for what, key in keys:
+        common = {key(agent) for agent in theirs}
+        for agent in ours:
+            if key(agent) in common:
+                whose = next(them for them in theirs if key(them) == key(agent))
+                where = f"{other.name}/{whose.layout}/{whose.name}"
+                yield Finding(True, f"{agent.layout}/{agent.name} shares {what} with {where}")
+    for namespace in sorted({agent.namespace for agent in ours} & {agent.namespace for agent in theirs}):
+        yield Finding(False, f"the seed namespace {namespace!r} is also used by the pool {other.name}")
+
+
+def _grouped(agents: Iterable[PoolAgent], key: Callable[[PoolAgent], Key]) -> list[tuple[Key, list[PoolAgent]]]:
+    groups: dict[Key, list[PoolAgent]] = defaultdict(list)
+    for agent in agents:
+        groups[key(agent)].append(agent)
+    return list(groups.items())
+
+
+def _names(agents: Iterable[PoolAgent]) -> str:
+    return ", ".join(sorted(agent.name for agent in agents))

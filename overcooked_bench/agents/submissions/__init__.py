@@ -1,0 +1,1 @@
+"""Agents that others wrote: loading them and checking that they keep the contract."""

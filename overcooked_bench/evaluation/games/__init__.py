@@ -1,0 +1,1 @@
+"""Playing: blocks of episodes, who sits where, and the store that keeps them."""

@@ -1,0 +1,136 @@
+"""Verifies a pool: whole, independent, playable, and without agents that are the same in all but their files.
+
+Axes: P agents of a layout, S states.
+"""
+
+from collections.abc import Callable
+from itertools import combinations
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overcooked_bench.agents.policies.neural import PolicyStack
+from overcooked_bench.agents.policies.policy import PolicyError
+from overcooked_bench.agents.pools.lineage import Finding, check_lineages
+from overcooked_bench.agents.pools.pool import Pool, PoolError, find_pool, read_manifest, shipped_pools
+from overcooked_bench.agents.threads import one_thread
+from overcooked_bench.evaluation.games.play import PlayFault, make_kitchens, play
+from overcooked_bench.evaluation.games.roster import TRAINED, Partner, seat_partners
+from overcooked_bench.evaluation.games.streams import stream_key
+from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
+
+SAME: Final = 0.01
+"""Two agents whose action distributions are nearer than this on average, in total variation, count as one.
+
+The agents of dev-v0 are 0.08 to 0.8 apart on their layouts.
+"""
+_EVERY: Final = 20
+"""Steps between two states that agents are compared on."""
+
+
+class Verdict(NamedTuple):
+    """What `verify_pool` found.
+
+    Attributes:
+        pool: The pool, or None where it could not be read.
+        findings: What was noticed; the pool is sound where none is grave.
+        agents: How many agents were played.
+    """
+
+    pool: Pool | None
+    findings: tuple[Finding, ...]
+    agents: int
+
+    @property
+    def sound(self) -> bool:
+        """Whether nothing grave was found."""
+        return not any(finding.grave for finding in self.findings)
+
+
+def verify_pool(
+    name_or_folder: str | Path,
+    horizon: int = 400,
+    on_progress: Callable[[str, int, int], object] = lambda what, done, of: None,
+) -> Verdict:
+    """Verifies a pool.
+
+    1. Every file is there and hashed as the manifest says, and no weights occur twice.
+    2. The lineage rules of `check_lineages`, also against the shipped pools of other names.
+    3. Every agent is loaded and plays one episode with itself.
+    4. No two agents act alike on the states that were met; where some do, that is a warning.
+
+    Args:
+        name_or_folder: A shipped pool's name, or a folder.
+        horizon: Steps of the episode.
+        on_progress: Called with a layout, how many are done, and how many there are.
+
+    Raises:
+        PoolError: There is no such pool.
+    """
+    folder = find_pool(name_or_folder)
+    try:
+        pool = Pool.load(folder)
+    except PoolError as error:
+        return Verdict(None, (Finding(True, str(error)),), 0)
+    others = [read_manifest(find_pool(name)) for name in shipped_pools() if name != pool.name]
+    findings, played = check_lineages(pool.manifest, others), 0
+    for done, layout in enumerate(pool.layouts, start=1):
+        try:
+            findings += _compare(pool, layout, horizon)
+            played += len(pool.agents(layout))
+        except (PoolError, PolicyError, PlayFault) as error:
+            findings.append(Finding(True, f"{layout}: {error}"))
+        on_progress(layout, done, len(pool.layouts))
+    return Verdict(pool, tuple(findings), played)
+
+
+def _compare(pool: Pool, layout: str, horizon: int) -> list[Finding]:
+    """Plays every agent with itself, and names those that act alike."""
+    names = [agent.name for agent in pool.agents(layout)]
+    partners = [Partner(agent.name, agent.files.weights.sha256, TRAINED) for agent in pool.agents(layout)]
+    policies = [pool.policy(layout, name) for name in names]
+    who, seat = np.arange(len(names)), np.zeros(len(names), np.int64)
+    seen: dict[str, list[NDArray[np.uint8]]] = {policy.architecture.observation: [] for policy in policies}
+
+    def look(kitchens: Kitchens, result: StepResult) -> None:
+        if kitchens.batch.clock[0] % _EVERY == 1:
+            for name, views in seen.items():
+                views.append(kitchens.observe(name).reshape(-1, *kitchens.observation_shape(name)))
+
+    with one_thread():
+        parties = [
+            *seat_partners(partners, who, seat, pool, pool.mode, layout),
+            *seat_partners(partners, who, seat + 1, pool, pool.mode, layout),
+        ]
+        kitchens = make_kitchens(layout, len(names), parties, cooking=pool.cooking, horizon=horizon)
+        kitchens.reset(seed=np.array([stream_key("verify", p.sha256, "start") for p in partners], np.uint64))
+        streams = [[stream_key("verify", p.sha256, k) for k in range(2)] for p in partners]
+        play(kitchens, parties, np.array(streams, np.uint64), watch=look)
+        chances = [
+            PolicyStack([policy]).assign(np.zeros(len(views), np.int64)).probabilities(views)
+            for policy in policies
+            for views in [np.concatenate(seen[policy.architecture.observation])]
+        ]
+    return [
+        Finding(False, f"{layout}: {', '.join(names[i] for i in group)} act alike (within {SAME:g} in total variation)")
+        for group in _alike(chances)
+    ]
+
+
+def _alike(chances: list[NDArray[np.float32]]) -> list[list[int]]:
+    """Groups agents that are linked by near neighbours.
+
+    Args:
+        chances: (S, 6) action probabilities of each agent.
+
+    Returns:
+        Indices of the agents of each group of two or more.
+    """
+    group = list(range(len(chances)))
+    for i, j in combinations(range(len(chances)), 2):
+        if np.abs(chances[i] - chances[j]).sum(axis=1).mean() / 2 < SAME:
+            group = [group[i] if g == group[j] else g for g in group]
+    found = [[i for i, g in enumerate(group) if g == root] for root in sorted(set(group))]
+    return [members for members in found if len(members) > 1]

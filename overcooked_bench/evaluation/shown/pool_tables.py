@@ -1,0 +1,82 @@
+"""Pools and cross-play as tables for the terminal."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from overcooked_bench.agents.pools.pool import Pool, PoolAgent
+from overcooked_bench.agents.pools.records import Profile, SeatProfile
+from overcooked_bench.evaluation.pools.crossplay import CrossPlay
+from overcooked_bench.evaluation.scores import Estimate
+from overcooked_bench.evaluation.shown.tables import interval_text, plain_table
+
+if TYPE_CHECKING:
+    from rich.console import Group
+    from rich.table import Table
+
+DEEDS = ("pots", "deliveries", "counter_drops", "counter_pickups")
+
+
+def pool_tables(pool: Pool, layouts: Sequence[str]) -> "Group":
+    """Lays a pool out: one table a layout, one row an agent."""
+    from rich.console import Group
+    from rich.text import Text
+
+    size = len(pool.manifest.agents)
+    head = f"{pool.name} ({pool.hash[:8]}) · {size} agents · cooking {pool.cooking} · actions {pool.mode}"
+    parts: list[Table | Text] = [Text(head, style="bold")]
+    for layout in layouts:
+        parts += [Text(""), Text(layout, style="bold"), _agents(pool.agents(layout))]
+    note = (
+        "With itself: points an episode [95 % over episodes]; seats: points of the soups that its own chef delivers. "
+        "Done: share of the run's steps. Nats: entropy of its actions (uniform: 1.79). How often in an episode, both "
+        "chefs: put into pots, served, dropped on counters, picked from counters."
+    )
+    return Group(*parts, Text(""), Text(note, style="dim"))
+
+
+def crossplay_tables(found: Sequence[CrossPlay]) -> "Group":
+    """Lays cross-play out: one row a layout."""
+    from rich.console import Group
+    from rich.text import Text
+
+    columns = "agents", "with itself", "with strangers", "ratio", "worst pair"
+    table = plain_table("layout", *columns, unbroken=columns)
+    for one in found:
+        mine, other, mean = one.worst
+        table.add_row(
+            one.layout,
+            str(len(one.agents)),
+            interval_text(one.self_play, 0),
+            interval_text(one.cross_play, 0),
+            interval_text(one.ratio, 2) if one.ratio else "none",
+            f"{mine}, {other}: {mean:.0f}",
+        )
+    note = (
+        "Points an episode; strangers are agents of different lineages, both seats. Intervals: 95 %, for other agents "
+        "of the same kind (whole agents are drawn with replacement). Ratio: with strangers by with itself; near 0, "
+        "each agent has conventions of its own. Worst pair: on seat 0, on seat 1."
+    )
+    return Group(table, Text(""), Text(note, style="dim"))
+
+
+def _agents(agents: Sequence[PoolAgent]) -> "Table":
+    profiled = any(agent.profile for agent in agents)
+    columns = ("seats", "nats", "pots", "served", "drops", "picks") if profiled else ()
+    table = plain_table("agent", "method", "done", "with itself", *columns, unbroken=("method", "with itself", "seats"))
+    for agent in agents:
+        method = agent.method + (f" {agent.configuration}" if agent.configuration else "")
+        returns = interval_text(Estimate(agent.self_play.mean, agent.self_play.low, agent.self_play.high), 0)
+        cells = [] if agent.profile is None else _profile(agent.profile)
+        table.add_row(agent.name, method, f"{100 * agent.trained:.0f} %", returns, *cells)
+    return table
+
+
+def _profile(profile: Profile) -> list[str]:
+    shares = " ".join(f"{seat.mean:.0f}" for seat in profile.seats)
+    deeds = [f"{sum(_deed(seat, name) for seat in profile.seats):.1f}" for name in DEEDS]
+    return [shares, f"{profile.entropy:.2f}", *deeds]
+
+
+def _deed(seat: SeatProfile, name: str) -> float:
+    value: float = getattr(seat, name)
+    return value

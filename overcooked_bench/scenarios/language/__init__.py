@@ -1,0 +1,1 @@
+"""The language of scenario files: pictures, conditions and scripts, read and written."""

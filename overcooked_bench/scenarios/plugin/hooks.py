@@ -1,0 +1,145 @@
+"""The pytest plugin: `pytest --pyargs overcooked_bench.unit_scenarios --agent my_agent.py`.
+
+Every pytest run of an environment with this package loads this module, so it imports nothing that takes time; what does
+the work is imported once scenarios are collected or an agent is given.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import pytest
+
+from overcooked_bench.scenarios.plugin.stash import BENCH, MARKER, NO_AGENT
+
+if TYPE_CHECKING:
+    from collections.abc import Generator
+
+    from overcooked_bench.scenarios.items import Select
+
+SUFFIX: Final = ".scenario.yaml"
+"""How the names of files end that are collected from any folder."""
+
+
+class Scenarios:
+    """Scenarios as tests of a module: `test_cooperation = Scenarios("my_scenarios/")`.
+
+    Args:
+        select: What `run_scenarios` takes; all that ship by default.
+    """
+
+    __test__ = False
+
+    def __init__(self, select: Select = None) -> None:
+        self.select = select
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Declares the options."""
+    group = parser.getgroup("overcooked-bench", "cooperation scenarios (overcooked-bench)")
+
+    def option(name: str, **settings: Any) -> None:
+        group.addoption(name, dest=f"ocb_{name.removeprefix('--').replace('-', '_')}", **settings)
+
+    option("--agent", metavar="AGENT", help="who is tested: my_agent.py[:function], a folder, or an agent's name")
+    option("--repeats", metavar="N", type=int, help="runs of each scenario for agents that draw (default: 20)")
+    option("--mode", choices=("sample", "greedy"), default="sample", help="how frozen policies act (default: sample)")
+    option("--agent-training-seed", metavar="N", type=int, default=0, help="which training run (default: 0)")
+    option("--agent-warmup", metavar="N", type=int, default=0, help="first views shown before the start (default: 0)")
+    option("--category", metavar="A,B", action="append", help="scenarios of some categories only")
+    option("--known-failures", metavar="FILE", help="ids of items that are expected to fail, one a line")
+    option("--scenario-report", metavar="FILE", help="write what came of every item as JSON")
+    option("--scenario-baseline", metavar="FILE", help="tell what is failed or passed newly since that report")
+    option("--fuzz", metavar="N", type=int, help="also try N drawn kitchens of each family (needs hypothesis)")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Registers the markers, and loads the agent if there is one."""
+    from overcooked_bench.scenarios import CATEGORIES
+
+    for category in CATEGORIES:
+        config.addinivalue_line("markers", f"{MARKER}{category}: a cooperation scenario of the category {category!r}")
+    config.stash[BENCH] = None
+    if config.option.ocb_agent is not None:
+        from overcooked_bench.scenarios.plugin.bench import open_bench
+
+        config.stash[BENCH] = open_bench(config)
+    if not hasattr(config, "workerinput"):
+        config.pluginmanager.register(_Late(config), "overcooked_bench_summary")
+
+
+class _Late:
+    """What the process that prints does; xdist's workers do not.
+
+    Args:
+        config: Of the session.
+    """
+
+    def __init__(self, config: pytest.Config) -> None:
+        self._records: dict[str, dict[str, Any]] = {}
+        self._skipped = 0
+        self._config = config
+
+    def pytest_report_header(self) -> str | None:
+        bench = self._config.stash[BENCH]
+        return f"scenarios: {bench.title}" if bench else None
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        record = getattr(report, "scenario", None)
+        if record is not None:
+            self._records[record["id"]] = record
+        elif isinstance(report.longrepr, tuple) and str(report.longrepr[2]).endswith(NO_AGENT):
+            self._skipped += 1
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        bench = self._config.stash[BENCH]
+        if self._skipped and not terminalreporter.hasopt("skipped"):
+            terminalreporter.write_line(f"{self._skipped} scenarios skipped: {NO_AGENT}")
+        if bench and self._records:
+            from overcooked_bench.scenarios.plugin.summary import summarize
+
+            terminalreporter.section(f"cooperation scenarios: {bench.title}")
+            for line in summarize(bench, list(self._records.values())):
+                terminalreporter.write_line(line)
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """Collects scenarios that users wrote."""
+    if not file_path.name.endswith(SUFFIX):
+        return None
+    from overcooked_bench.scenarios.plugin.items import ScenarioFile
+
+    return ScenarioFile.from_parent(parent, path=file_path)
+
+
+def pytest_pycollect_makeitem(collector: pytest.Module | pytest.Class, name: str, obj: object) -> Any:
+    """Collects what a module binds as `Scenarios`."""
+    if not isinstance(obj, Scenarios):
+        return None
+    from overcooked_bench.scenarios.plugin.items import make_items
+
+    return make_items(collector, obj.select)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Chooses categories, marks known failures, and brings together what is played together."""
+    import sys
+
+    if "overcooked_bench.scenarios.plugin.items" in sys.modules:  # else there is no scenario among them
+        from overcooked_bench.scenarios.plugin.items import arrange
+
+        arrange(config, items)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Puts what came of an item into its report, which workers send to the process that prints."""
+    report = yield
+    record = getattr(item, "scenario_record", None)
+    if record is not None and call.when == "call":
+        report.__dict__["scenario"] = record
+    return report

@@ -1,0 +1,1 @@
+"""Scenario results as text and tables."""

@@ -1,0 +1,1 @@
+"""Shortest solutions, acceptance checks and the lock file."""

@@ -1,0 +1,251 @@
+"""`scenarios.lock`: shortest solutions and budgets, found by search and kept beside the scenarios."""
+
+import json
+from collections.abc import Callable, Iterable
+from functools import lru_cache
+from hashlib import sha256
+from math import ceil
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from overcooked_bench.scenarios.errors import ScenarioError
+from overcooked_bench.scenarios.scenario import SEATS, Scenario, Situation
+
+LOCK_FILE: Final = "scenarios.lock"
+VERSION: Final = 1
+LETTERS: Final = "UDRLSI"
+"""Actions 0 to 5 in a witness: up, down, right, left, stay, interact."""
+
+_SOLVED: Final[dict[str, "Entry"]] = {}  # by definition: what was searched in this process
+
+
+class Witness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A shortest solution from one seat in one mirror.
+
+    Attributes:
+        steps: Its length, T*.
+        actions: A's actions, one letter of `LETTERS` each.
+    """
+
+    steps: int
+    actions: str
+
+    @property
+    def own(self) -> tuple[int, ...]:
+        """A's actions."""
+        return tuple(LETTERS.index(letter) for letter in self.actions)
+
+
+class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What is known of a scenario.
+
+    Attributes:
+        definition: Hash of what the solutions depend on.
+        steps: T*, the greatest over seats and mirrors.
+        budget: Steps that A has.
+        witnesses: By "seat0", "seat0-mirrored", "seat1", "seat1-mirrored".
+    """
+
+    definition: str
+    steps: int
+    budget: int
+    witnesses: dict[str, Witness]
+
+
+class Lock(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A lock file.
+
+    Attributes:
+        version: Of the form of the file.
+        scenarios: Entries by id.
+    """
+
+    version: int = VERSION
+    scenarios: dict[str, Entry] = {}
+
+    def entry(self, scenario: Scenario) -> Entry | None:
+        """Gives a scenario's entry; None where there is none, or it was made for another definition."""
+        found = self.scenarios.get(scenario.id)
+        return found if found and found.definition == definition(scenario) else None
+
+
+def budget_for(category: str, steps: int) -> int:
+    """Gives the budget of a scenario whose shortest solution takes so many steps."""
+    return steps + 1 if category == "horizon" else ceil(1.5 * steps) + 4
+
+
+def definition(scenario: Scenario) -> str:
+    """Gives a hash of all that a scenario's solutions and budget depend on."""
+    return _definition(scenario)
+
+
+@lru_cache(1024)
+def _definition(scenario: Scenario) -> str:
+    layout = scenario.layout
+    told = [
+        *(layout.rows, layout.orders, layout.cook_times, layout.soup_rewards, scenario.cooking, scenario.category),
+        *(scenario.state.to_dict(), scenario.drawn, str(scenario.accept), str(scenario.never), scenario.budget),
+        scenario.before,
+    ]
+    return sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def situations(scenario: Scenario) -> dict[str, Situation]:
+    """Gives a scenario from both seats in both mirrors, by the names that the lock file uses."""
+    return {
+        f"seat{seat}" + "-mirrored" * mirrored: scenario.seated(seat, mirrored)
+        for seat in SEATS
+        for mirrored in (False, True)
+    }
+
+
+def lock_path(scenario: Scenario) -> Path:
+    """Gives the lock file that belongs to a scenario: the one beside its file."""
+    return Path(scenario.source).parent / LOCK_FILE
+
+
+def read_lock(path: str | Path) -> Lock:
+    """Reads a lock file; an empty lock where there is no file.
+
+    Raises:
+        ScenarioError: The file is damaged.
+    """
+    file = Path(path)
+    if not file.is_file():
+        return Lock()
+    return _read(file, file.stat().st_mtime_ns)
+
+
+@lru_cache(8)
+def _read(file: Path, changed: int) -> Lock:
+    try:
+        lock = msgspec.json.decode(file.read_bytes(), type=Lock)
+    except (msgspec.MsgspecError, OSError) as error:
+        raise ScenarioError(f"{file}: damaged ({error}); delete it, and it is made anew when it is needed") from None
+    if lock.version != VERSION:
+        raise ScenarioError(f"{file}: written in version {lock.version} of its form, and this is {VERSION}; delete it")
+    for name, entry in lock.scenarios.items():
+        for witness in entry.witnesses.values():
+            if len(witness.actions) != witness.steps or not set(witness.actions) <= set(LETTERS):
+                raise ScenarioError(f"{file}: the witness of {name} is not {witness.steps} letters of {LETTERS}")
+    return lock
+
+
+def write_lock(
+    path: str | Path,
+    scenarios: Iterable[Scenario],
+    on_entry: Callable[[Scenario, Entry], None] = lambda *_: None,
+    *,
+    anew: bool = False,
+) -> Lock:
+    """Brings a lock file up to date: solves what is new or changed, drops what is gone, and writes the rest as it was.
+
+    Args:
+        path: The file.
+        scenarios: All that belong into it.
+        on_entry: Called with each scenario and its entry.
+        anew: Whether to solve everything again.
+
+    Raises:
+        ScenarioError: A scenario cannot be solved from some seat or in some mirror; nothing is written then.
+    """
+    file = Path(path)
+    old = Lock() if anew else read_lock(file)
+    entries: dict[str, Entry] = {}
+    for scenario in sorted(scenarios, key=lambda s: s.id):
+        entries[scenario.id] = old.entry(scenario) or solve_scenario(scenario)
+        on_entry(scenario, entries[scenario.id])
+    lock = Lock(VERSION, entries)
+    file.write_text(lock_text(lock), "utf-8")
+    return lock
+
+
+def lock_text(lock: Lock) -> str:
+    """Writes a lock as JSON, sorted, one witness a line, so that a change reads well."""
+    blocks = []
+    for name, entry in sorted(lock.scenarios.items()):
+        witnesses = ",\n".join(
+            f"        {json.dumps(key)}: {json.dumps(msgspec.to_builtins(witness))}"
+            for key, witness in sorted(entry.witnesses.items())
+        )
+        facts = f'"definition": "{entry.definition}", "steps": {entry.steps}, "budget": {entry.budget}'
+        blocks.append(f'    {json.dumps(name)}: {{\n      {facts}, "witnesses": {{\n{witnesses}\n      }}\n    }}')
+    inside = ",\n".join(blocks)
+    return f'{{\n  "version": {lock.version},\n  "scenarios": {{\n{inside}\n  }}\n}}\n'
+
+
+def solve_scenario(scenario: Scenario) -> Entry:
+    """Searches the shortest solutions of a scenario.
+
+    Raises:
+        ScenarioError: There is none within `LONGEST` steps, or within the budget that the file gives.
+    """
+    from overcooked_bench.scenarios.solving.search import TooManyStates
+    from overcooked_bench.scenarios.solving.solver import LONGEST, solve
+
+    limit = scenario.budget or LONGEST
+    witnesses: dict[str, Witness] = {}
+    for key, situation in situations(scenario).items():
+        try:
+            found = solve(situation, limit)
+        except TooManyStates as error:
+            raise ScenarioError(f"{scenario.source}: {scenario.id} cannot be solved: {error}") from None
+        if found is None:
+            raise ScenarioError(
+                f"{scenario.source}: {scenario.id} cannot be solved from {key.replace('-', ', ')} in {limit} steps; "
+                "mend the kitchen, what B does, or what is asked"
+            )
+        witnesses[key] = Witness(found.steps, "".join(LETTERS[action] for action in found.actions))
+    steps = max(witness.steps for witness in witnesses.values())
+    return Entry(definition(scenario), steps, scenario.budget or budget_for(scenario.category, steps), witnesses)
+
+
+def entry_of(scenario: Scenario) -> Entry:
+    """Gives a scenario's entry: from the lock file beside it, or else by a search, which takes seconds.
+
+    Raises:
+        ScenarioError: The lock file is damaged, or the scenario cannot be solved.
+    """
+    return known_entry(scenario) or _solved(scenario)
+
+
+def known_entry(scenario: Scenario) -> Entry | None:
+    """Gives a scenario's entry where the lock file has it, or it was searched before; None elsewhere.
+
+    Raises:
+        ScenarioError: The lock file is damaged.
+    """
+    return read_lock(lock_path(scenario)).entry(scenario) or _SOLVED.get(definition(scenario))
+
+
+def budget_of(scenario: Scenario) -> int:
+    """Gives the steps that A has: the file's number, or else that of `entry_of`."""
+    return scenario.budget or entry_of(scenario).budget
+
+
+def _solved(scenario: Scenario) -> Entry:
+    return _SOLVED.setdefault(definition(scenario), solve_scenario(scenario))
+
+
+def unused(lock: Lock, scenarios: Iterable[Scenario]) -> list[str]:
+    """Lists the ids of a lock that no scenario has any more."""
+    return sorted(set(lock.scenarios) - {scenario.id for scenario in scenarios})
+
+
+def stale(lock: Lock, scenarios: Iterable[Scenario]) -> list[str]:
+    """Lists the ids of scenarios that a lock does not know, or knows otherwise."""
+    return sorted(scenario.id for scenario in scenarios if lock.entry(scenario) is None)
+
+
+def main() -> None:
+    """Brings the lock file of the scenarios that ship up to date."""
+    from overcooked_bench.scenarios.items import read_files, shipped_folder
+
+    folder = shipped_folder()
+    write_lock(folder / LOCK_FILE, read_files([folder]), lambda s, entry: print(s.id, entry.steps, entry.budget))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,76 @@
+"""What two scenarios have to stand to be a pair.
+
+A pair of the category `memory` looks the same when A is asked for the first time, and cannot be passed by one who does
+not know what was before. Any other pair is about what must not matter: its halves differ in things that lie far away.
+"""
+
+from overcooked_bench.scenarios.judge import judge
+from overcooked_bench.scenarios.scenario import ACTIONS, SEATS, Scenario, Situation
+from overcooked_bench.scenarios.solving.lock import budget_of, entry_of, situations
+from overcooked_bench.scenarios.solving.memory import unknowing
+from overcooked_bench.scenarios.solving.solver import search_for
+
+
+def pair_faults(one: Scenario, other: Scenario) -> list[str]:
+    """Says what is wrong with a pair, each in a sentence; nothing where it is one."""
+    if one.category == "memory":
+        return _faults_of_memory(one, other)
+    return _faults_of_invariance(one, other)
+
+
+def _faults_of_memory(one: Scenario, other: Scenario) -> list[str]:
+    faults = []
+    for half in (one, other):
+        if not half.before:
+            return [f"{half.id} has no `before`; a memory pair is told apart by what was before"]
+        faults += _faults_of_history(half.seated(0))
+    if len(one.before) != len(other.before):
+        faults.append("one `before` is longer than the other, so that the clock tells them apart")
+    for seat in SEATS:
+        try:
+            ways = unknowing(one.seated(seat), other.seated(seat), (budget_of(one), budget_of(other)))
+        except ValueError as error:
+            return [*faults, str(error)]
+        if ways:
+            told = " ".join(ACTIONS[action] for action in ways[0].actions)
+            steps = " and ".join(f"{n} steps" for n in ways[0].steps)
+            faults.append(
+                f"it takes no memory from seat {seat}: {told}, then what the kitchen shows, passes in {steps}"
+            )
+    return faults
+
+
+def _faults_of_history(situation: Situation) -> list[str]:
+    """Compares what B does before with what it would do by its own rule."""
+    behaviour, name = situation.behaviour, situation.scenario.id
+    if any(behaviour.phase(t) for t in range(len(situation.before) + 1)):
+        return [f"B of {name} goes by the clock, so that nothing before tells what it will do"]
+    search = search_for(situation)
+    row, counts = search.row(situation.state), search.no_counts()
+    for t, joint in enumerate(situation.before):
+        action = search.answer(row, behaviour, 0)
+        if action != joint[situation.partner_seat]:
+            did = ACTIONS[joint[situation.partner_seat]]
+            return [f"B of {name} does {did} at step {t} of `before`; by its own rule it would do {ACTIONS[action]}"]
+        row, _ = search.step(row, counts, joint)
+    return []
+
+
+def _faults_of_invariance(one: Scenario, other: Scenario) -> list[str]:
+    if _essence(one) != _essence(other) or one.state.objects == other.state.objects:
+        return ["the halves of a pair of another category than memory differ in what lies on counters, and only there"]
+    faults = []
+    for first, second in ((one, other), (other, one)):
+        witnesses = entry_of(first).witnesses
+        for key, situation in situations(second).items():
+            if not judge(situation, witnesses[key].steps, witnesses[key].own).passed:
+                faults.append(f"it does matter: what passes {first.id} from {key} does not pass {second.id}")
+    return faults
+
+
+def _essence(scenario: Scenario) -> list[object]:
+    """Gives all but what lies on counters."""
+    layout, state = scenario.layout, scenario.state
+    pots = [state.objects.get(cell) for cell in layout.positions("P")]
+    goal = str(scenario.accept), str(scenario.never), scenario.budget
+    return [layout, scenario.cooking, scenario.category, state.chefs, pots, scenario.drawn, scenario.before, goal]

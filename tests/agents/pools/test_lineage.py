@@ -1,0 +1,79 @@
+import pytest
+
+from overcooked_bench.agents.pools.lineage import check_lineages
+from overcooked_bench.agents.pools.pool import read_manifest, write_manifest
+from tests.agents.made import record, write_policy
+
+
+def manifest(home, name, *records, first=0):
+    for seed, entry in enumerate(records, start=first):
+        write_policy(home / name / entry.layout / entry.name, seed)
+    return write_manifest(home / name, name, records)
+
+
+def grave(findings):
+    assert all(finding.grave for finding in findings)
+    return [finding.text for finding in findings]
+
+
+RUN = {"lineage": "run", "seed": 1}
+
+
+def test_independent_agents_and_checkpoints_of_a_run_are_fine(tmp_path):
+    pool = manifest(tmp_path, "a", record("sp-0", **RUN), record("sp-0-half", checkpoint=0.5, **RUN), record("sp-1"))
+    assert check_lineages(pool) == []
+
+
+@pytest.mark.parametrize(
+    ("other", "message"),
+    [
+        (RUN, "sp-0, sp-1 are the same checkpoint, 1.0"),
+        (RUN | {"checkpoint": 0.5, "training": {}}, "they differ in training"),
+        (RUN | {"checkpoint": 0.5, "method": "other"}, "they differ in method"),
+        (RUN | {"checkpoint": 0.5, "configuration": "other"}, "they differ in configuration"),
+        (RUN | {"checkpoint": 0.5, "seed": 2}, "they differ in seed"),
+        ({"lineage": "other", "seed": 1}, "sp-0, sp-1 have the training seed 1 and different lineages"),
+    ],
+    ids=["twice", "training", "method", "configuration", "seed", "lineage"],
+)
+def test_hidden_ties_are_found(tmp_path, other, message):
+    (text,) = grave(check_lineages(manifest(tmp_path, "a", record("sp-0", **RUN), record("sp-1", **other))))
+    assert message in text
+
+
+def test_a_seed_may_be_used_again_on_another_layout(tmp_path):
+    write_policy(tmp_path / "coordination_ring" / "sp-0", 9, layout="coordination_ring", shape=(22, 5, 5))
+    write_policy(tmp_path / "cramped_room" / "sp-0", 1)
+    records = [record("sp-0", seed=1), record("sp-0", "coordination_ring", seed=1)]
+    assert check_lineages(write_manifest(tmp_path, "a", records)) == []
+
+
+def test_format_1_knows_no_checkpoints(tmp_path):
+    shipped = read_manifest_of("dev-v0")
+    assert check_lineages(shipped) == []
+    import msgspec
+
+    tied = [msgspec.structs.replace(agent, lineage="one") for agent in shipped.agents[:2]]
+    (text,) = grave(check_lineages(msgspec.structs.replace(shipped, agents=tuple(tied))))
+    assert "do not say which checkpoints" in text
+
+
+def read_manifest_of(name):
+    from overcooked_bench.agents.pools.pool import find_pool
+
+    return read_manifest(find_pool(name))
+
+
+def test_pools_share_nothing(tmp_path):
+    ours = manifest(tmp_path, "a", record("sp-0", seed=1, lineage="x"), record("sp-1", seed=2, lineage="y"))
+    apart = manifest(tmp_path, "b", record("sp-0", seed=3, lineage="z", namespace="b"), first=5)
+    assert check_lineages(ours, [apart]) == []
+    tied = manifest(tmp_path, "c", record("sp-0", seed=1, lineage="y"))
+    found = check_lineages(ours, [apart, tied])
+    assert [finding.text for finding in found] == [
+        "cramped_room/sp-0 shares the training seed with c/cramped_room/sp-0",
+        "cramped_room/sp-1 shares the lineage with c/cramped_room/sp-0",
+        "cramped_room/sp-0 shares the weights with c/cramped_room/sp-0",
+        "the seed namespace 'tests' is also used by the pool c",
+    ]
+    assert [finding.grave for finding in found] == [True, True, True, False]

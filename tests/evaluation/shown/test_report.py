@@ -1,0 +1,138 @@
+"""Pictures, pages and tables of a score, and its recordings."""
+
+import re
+import shlex
+from dataclasses import replace
+from html.parser import HTMLParser
+from io import StringIO
+
+import msgspec
+import numpy as np
+import pytest
+from PIL import Image
+from rich.console import Console
+
+from overcooked_bench.cli import main
+from overcooked_bench.evaluation.games.recording import find_recording
+from overcooked_bench.evaluation.games.store import StoreError
+from overcooked_bench.evaluation.protocol import read_protocol
+from overcooked_bench.evaluation.score import EPISODES_FILE, score
+from overcooked_bench.evaluation.shown.plots import draw_curve
+from overcooked_bench.evaluation.shown.report import write_report
+from overcooked_bench.evaluation.shown.tables import score_tables
+from tests.evaluation.made import protocol_text, write_agent
+
+
+@pytest.fixture(scope="module")
+def scored(tmp_path_factory, pool_folder):
+    """A score of two training runs; its pool and its floor have names that HTML must escape."""
+    home = tmp_path_factory.mktemp("a score & more")
+    protocol = read_protocol(protocol_text(horizon=120), "p.yaml")
+    agent = write_agent(home / "a<b>.py", training_seeds=2)
+    return score(agent, protocol, pool=pool_folder, output=home / "out")
+
+
+class Outline(HTMLParser):
+    """Checks that tags nest, and collects what stands in the page."""
+
+    VOID = ("meta", "path", "use", "rect", "br")
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.tags, self.texts, self.links = [], [], [], []
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        self.links += [value for name, value in attributes if name in ("src", "href", "xlink:href")]
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if tag not in self.VOID:
+            assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.texts.append(data)
+
+
+def test_the_page_needs_nothing_else(scored):
+    page = Outline()
+    page.feed((scored.folder / "report.html").read_text())
+    assert page.open == []
+    assert all(link.startswith("#") for link in page.links)
+    assert {"svg", "table", "style"} <= set(page.tags)
+    assert "script" not in page.tags
+    text = " ".join(page.texts)
+    for words in ("a<b>", "cramped_room", "sp-0", "random", scored.scores.pool.sha256, "needs 19"):
+        assert words in text
+
+
+def test_the_pages_commands_replay_the_worst_episode(scored, capsys):
+    text = (scored.folder / "report.html").read_text()
+    commands = re.findall(r"<code>(.*?)</code>", text)
+    assert len(commands) == len(scored.scores.layouts[0].cells)
+    words = shlex.split(commands[0].replace("&amp;", "&").replace("&#x27;", "'"))
+    assert words[0] == "overcooked-bench"
+    assert main(words[1:]) == 0
+    assert f"with {scored.scores.layouts[0].worst.partner}" in capsys.readouterr().out
+
+
+def test_the_curve_is_a_picture_with_one_colour_a_layout(scored, tmp_path):
+    draw_curve(scored.scores, tmp_path / "curve.png")
+    with Image.open(tmp_path / "curve.png") as picture:
+        assert picture.format == "PNG"
+        colours = np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0)
+    assert [0, 0x72, 0xB2] in colours.tolist()
+    assert (tmp_path / "curve.png").read_bytes() == (scored.folder / "curve.png").read_bytes()
+
+
+def test_nothing_attempted_is_drawn_and_told_too(scored, tmp_path):
+    nothing = msgspec.structs.replace(scored.scores, layouts=(), overall=None, not_attempted=("cramped_room",))
+    draw_curve(nothing, tmp_path / "curve.png")
+    write_report(nothing, tmp_path / "report.html")
+    assert "Not attempted: cramped_room" in (tmp_path / "report.html").read_text()
+    assert "Not attempted: cramped_room" in shown(nothing)
+
+
+def shown(scores):
+    console = Console(width=80, file=StringIO())
+    console.print(score_tables(scores))
+    return console.file.getvalue()
+
+
+def test_the_table_fits_a_terminal_and_says_what_the_interval_means(scored):
+    text = shown(scored.scores)
+    assert max(map(len, text.splitlines())) <= 80
+    assert "…" not in text
+    for words in ("cramped_room", "mean [95 %]", "seat 0", "≥1", "≥3", "worst partner", "random", "2 training seeds"):
+        assert words in text
+
+
+def test_a_recording_is_found_by_what_is_said_of_it(scored):
+    found = find_recording(scored.folder, partner="sp-1", seat=1, episode=1, training_seed=1)
+    episode = found.episode
+    assert (episode.partner, episode.seat, episode.episode, episode.training_seed) == ("sp-1", 1, 1, 1)
+    assert found.names == ("sp-1", "a<b>")
+    assert find_recording(scored.folder / EPISODES_FILE).episode.seat == 0
+    worst = find_recording(scored.folder, worst=True).episode
+    assert (worst.kind != "floor", worst.soup_reward) == (True, 0)
+
+
+@pytest.mark.parametrize(
+    ("where", "words"),
+    [
+        ({"partner": "sp-9"}, "no episode with partner 'sp-9'; there are greedy, random, sp-0, sp-1"),
+        ({"episode": 7}, "no episode with episode 7; there are 0, 1"),
+        ({"partner": "random", "worst": True}, "no episode with partner random"),
+    ],
+)
+def test_what_is_not_there_is_told(where, words, scored):
+    with pytest.raises(StoreError, match=words):
+        find_recording(scored.folder, **where)
+
+
+def test_a_recording_that_does_not_bring_its_points_is_refused(scored):
+    found = find_recording(scored.folder)
+    forged = found.episode._replace(soup_reward=found.episode.soup_reward + 20)
+    with pytest.raises(StoreError, match="the joint actions bring"):
+        list(replace(found, episode=forged).frames())
