@@ -16,12 +16,12 @@ from stable_baselines3.common.callbacks import BaseCallback
 
 from overcooked_bench.agents.policies.policy import policy_files
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
+from overcooked_bench.kitchen.layout import Layout
 
 from .checkpoint import save_checkpoint
 from .freeze import freeze
 from .settings import Settings
 
-SOUP_POINTS = 20
 _RECENT = 100
 _SECONDS_BETWEEN_LINES = 30
 
@@ -64,6 +64,7 @@ class Monitor(BaseCallback):
         self._began, self._before = time.monotonic(), float(known["seconds"])
         self._steps = settings.steps
         self._returns: deque[float] = deque(known["returns"], maxlen=_RECENT)
+        self._soup_points = Layout.load(settings.layout).soup_points
         self._name = "custom kitchen" if "\n" in settings.layout else settings.layout
         self._answered = False
         self._restore: Callable[[], object] = lambda: None
@@ -150,7 +151,7 @@ class Monitor(BaseCallback):
         if not self._unchecked or done < self._settings.check_share * self._steps or not self._returns:
             return
         self._unchecked = False
-        soups = float(np.mean(self._returns)) / SOUP_POINTS
+        soups = float(np.mean(self._returns)) / self._soup_points
         if soups < self._settings.check_soups:
             self.diverged = {"joint_steps": done, "soups": soups}
             self._console.print(f"{soups:.1f} soups an episode after {done:,} steps; begins anew with another seed")
@@ -182,7 +183,7 @@ class Monitor(BaseCallback):
         told = f"{rate:7.0f} steps/s"
         if self._returns:
             mean = float(np.mean(self._returns))
-            told = f"return {mean:5.1f}  soups {mean / SOUP_POINTS:4.1f}  {told}"
+            told = f"return {mean:5.1f}  soups {mean / self._soup_points:4.1f}  {told}"
         self._progress.update(self._task, completed=done, told=told)
         if self._progress.disable and (last or now - self._told > _SECONDS_BETWEEN_LINES):
             self._told = now

@@ -8,6 +8,7 @@ import msgspec
 
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.evaluation.protocol import Protocol
+from overcooked_bench.kitchen.layout import DEFAULT_SOUP_REWARD
 
 SCHEMA: Final = 1
 
@@ -101,6 +102,7 @@ class LayoutScore(msgspec.Struct, frozen=True):
         curve: Partners in ascending order.
         cells: The partners that count, in the order of their means; equals by name.
         floors: The partners that do not, by name.
+        soup_points: Points of one soup here, the unit of `thresholds`.
     """
 
     layout: str
@@ -115,6 +117,7 @@ class LayoutScore(msgspec.Struct, frozen=True):
     curve: tuple[CurvePoint, ...]
     cells: tuple[Cell, ...]
     floors: tuple[Cell, ...]
+    soup_points: float = float(DEFAULT_SOUP_REWARD)
 
     @property
     def worst(self) -> Cell:

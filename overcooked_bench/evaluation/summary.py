@@ -13,7 +13,7 @@ from overcooked_bench.evaluation.games.roster import FLOOR
 from overcooked_bench.evaluation.games.store import Store
 from overcooked_bench.evaluation.protocol import Protocol
 from overcooked_bench.evaluation.scores import Cell, CurvePoint, Estimate, LayoutScore, ThresholdScore
-from overcooked_bench.kitchen.layout import DEFAULT_SOUP_REWARD
+from overcooked_bench.kitchen.layout import Layout
 
 
 def compute_layouts(
@@ -95,9 +95,9 @@ def _layout_score(
 ) -> LayoutScore:
     seeds, partners = returns.shape[:2]
     means = returns.mean(axis=(2, 3))
-    thresholds = []
+    thresholds, soup_points = [], Layout.load(layout).soup_points
     for soups in protocol.thresholds:
-        reached, undecided = statistics.threshold(returns.mean(axis=3), soups * DEFAULT_SOUP_REWARD)
+        reached, undecided = statistics.threshold(returns.mean(axis=3), soups * soup_points)
         thresholds.append(ThresholdScore(soups, Estimate(*reached), reached.value / partners, undecided))
     curve = statistics.ordered(means)
     low = statistics.low_quantile(curve) if seeds > 1 else None
@@ -116,6 +116,7 @@ def _layout_score(
         ),
         cells=tuple(sorted((c for c in cells if c.kind != FLOOR), key=lambda c: (c.mean.value, c.partner))),
         floors=tuple(c for c in cells if c.kind == FLOOR),
+        soup_points=soup_points,
     )
 
 

@@ -117,6 +117,11 @@ class Layout:
         layout._check()
         return layout
 
+    @property
+    def soup_points(self) -> float:
+        """Points of one soup: those of the cheapest order that is paid for; thresholds count in it."""
+        return min((points for points in self.soup_rewards if points > 0), default=float(DEFAULT_SOUP_REWARD))
+
     @classmethod
     def load(cls, source: "str | Path | Layout") -> "Layout":
         """Gives a layout by a shipped name, `<name>-mirrored`, the path of a `.layout` file or a grid's text.

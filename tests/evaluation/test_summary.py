@@ -1,31 +1,32 @@
 """From stored episodes to numbers: the unit of the intervals, and what is kept out of them."""
 
+import types
+
 import msgspec
 import numpy as np
 import pytest
 
 from overcooked_bench.evaluation.games.store import Episode, Store
+from overcooked_bench.evaluation.shown.tables import _worth
 from overcooked_bench.evaluation.statistics import low_quantile, t_interval
 from overcooked_bench.evaluation.summary import compute_layouts, describe_interval
 
 PARTNERS = {"ann": "trained", "bob": "trained", "cat": "scripted", "stay": "floor"}
 
 
-def summarise(tmp_path, protocol, returns, name="a"):
-    """Scores (S, P, E, 2) returns of PARTNERS on cramped_room."""
+def summarise(tmp_path, protocol, returns, name="a", layout="cramped_room"):
+    """Scores (S, P, E, 2) returns of PARTNERS on a layout."""
     seeds, _, episodes, _ = returns.shape
     rules = msgspec.structs.replace(protocol, episodes=episodes)
     with Store(tmp_path / f"{name}.sqlite", {"agent": "x"}) as store:
         for s, e in np.ndindex(seeds, episodes):
             rows = [
-                Episode(
-                    "cramped_room", s, e, who, k, who * 8, kind, float(returns[s, p, e, k]), 0.0, 0.0, p, 1, "", b""
-                )
+                Episode(layout, s, e, who, k, who * 8, kind, float(returns[s, p, e, k]), 0.0, 0.0, p, 1, "", b"")
                 for p, (who, kind) in enumerate(PARTNERS.items())
                 for k in (0, 1)
             ]
-            store.add_block(("cramped_room", s, e), rows)
-        (score,), overall = compute_layouts(store, rules, ["cramped_room"], seeds, "bob" * 8)
+            store.add_block((layout, s, e), rows)
+        (score,), overall = compute_layouts(store, rules, [layout], seeds, "bob" * 8)
     return score, overall
 
 
@@ -93,6 +94,19 @@ def test_seats_partners_and_thresholds(tmp_path, protocol):
     assert (score.worst.partner, score.best.partner) == ("cat", "bob")
     assert [(t.soups, t.reached.value, t.share) for t in score.thresholds] == [(1, 2, 2 / 3), (3, 0, 0)]
     assert (score.worst.ego_soups, score.worst.partner_soups) == (2, 1)
+
+
+def test_thresholds_count_soups_of_the_layouts_own_value(tmp_path, protocol):
+    cheap = tmp_path / "cheap.layout"
+    cheap.write_text("XXPXX\nO  2O\nX1  X\nXDXSX\n---\nsoup_reward: 10\n")
+    rules = msgspec.structs.replace(protocol, thresholds=(1, 2, 3))
+    two_soups = np.full((1, 4, 2, 2), 20.0)
+    score, _ = summarise(tmp_path, rules, two_soups, layout=str(cheap))
+    assert [(t.soups, t.share) for t in score.thresholds] == [(1, 1), (2, 1), (3, 0)]
+    assert score.soup_points == 10
+    assert "one soup = 10" in _worth(types.SimpleNamespace(layouts=[score]))
+    plain, _ = summarise(tmp_path, rules, two_soups, "plain")
+    assert [t.share for t in plain.thresholds] == [1, 0, 0]
 
 
 def test_the_interval_says_what_it_is_about():

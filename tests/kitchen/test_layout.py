@@ -97,6 +97,13 @@ def test_rewards_and_times_by_order_with_20_for_the_rest():
     assert [layout.cook_times[RECIPES.index(r)] for r in ((3, 0), (1, 1), (2, 0))] == [30, 10, 20]
 
 
+def test_a_soup_is_worth_the_cheapest_paid_order():
+    assert Layout.load("cramped_room").soup_points == 20
+    orders = [["onion"] * 3, ["tomato"]]
+    assert Layout.from_text(TOMATO, orders=orders, soup_reward=[30, 10]).soup_points == 10
+    assert Layout.from_text(TOMATO, orders=orders, soup_reward=[30, 0]).soup_points == 30
+
+
 def test_an_empty_menu_means_all_nine_recipes():
     layout = Layout.from_text(TOMATO, orders=[])
     assert prices(layout) == dict.fromkeys(RECIPES[1:], 20)

@@ -1,5 +1,6 @@
 """The ordered curve as a picture."""
 
+from itertools import product
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Final
 
@@ -54,11 +55,12 @@ def _draw_layout(axes: "Axes", layout: LayoutScore, colour: str, marker: str) ->
 
 
 def _dress(axes: "Axes", scores: Scores) -> None:
-    for soups in scores.settings.thresholds:
-        axes.axhline(DEFAULT_SOUP_REWARD * soups, color="#999999", linewidth=0.8, linestyle=":")
-        label = f"{soups:g} soup" + "s" * (soups != 1)
+    worth = sorted({layout.soup_points for layout in scores.layouts})
+    for points, soups in product(worth or [DEFAULT_SOUP_REWARD], scores.settings.thresholds):
+        axes.axhline(points * soups, color="#999999", linewidth=0.8, linestyle=":")
+        label = f"{soups:g} soup" + "s" * (soups != 1) + f" of {points:g}" * (len(worth) > 1)
         axes.annotate(
-            *(label, (1.005, DEFAULT_SOUP_REWARD * soups)),
+            *(label, (1.005, points * soups)),
             xycoords=("axes fraction", "data"),
             va="center",
             fontsize=8,
@@ -67,7 +69,7 @@ def _dress(axes: "Axes", scores: Scores) -> None:
     axes.set_xlim(0, 102)
     axes.set_ylim(bottom=0)
     axes.set_xlabel("share of the partners, worst first (%)", color=_INK)
-    axes.set_ylabel("points an episode", color=_INK)
+    axes.set_ylabel("points per episode", color=_INK)
     bands = f"; bands: pointwise 95 % over {scores.training_seeds} training seeds" if scores.training_seeds > 1 else ""
     pool = scores.pool.name if scores.pool else "no pool"
     title = f"{scores.agent.name}: ordered curve, protocol {scores.protocol.name}, pool {pool}{bands}"

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from overcooked_bench.evaluation.scores import Cell, Estimate, LayoutScore, ScenarioScore, Scores
+from overcooked_bench.kitchen.layout import DEFAULT_SOUP_REWARD
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -29,7 +30,7 @@ def score_tables(scores: Scores) -> "Group":
 
 def notes(scores: Scores) -> list[str]:
     """Says in words what the table does not: what the intervals are about, what is undecided, what was not played."""
-    said = [f"Points an episode; a soup is 20. {scores.interval}"]
+    said = [f"Points per episode ({_worth(scores)}). {scores.interval}"]
     levels = ", ".join(f"{soups:g}" for soups in scores.settings.thresholds)
     if levels:
         said.append(f"≥{levels.replace(', ', ', ≥')}: share of partners with a mean of at least so many soups.")
@@ -54,6 +55,14 @@ def notes(scores: Scores) -> list[str]:
     if any(cell.is_ego for layout in scores.layouts for cell in layout.cells):
         said.append("* the scored agent itself is among the partners.")
     return said
+
+
+def _worth(scores: Scores) -> str:
+    """Returns what a soup pays, by layout where they differ."""
+    worth = {layout.layout: layout.soup_points for layout in scores.layouts}
+    if len(set(worth.values())) > 1:
+        return "one soup = " + ", ".join(f"{points:g} on {layout}" for layout, points in worth.items())
+    return f"one soup = {next(iter(worth.values()), DEFAULT_SOUP_REWARD):g}"
 
 
 def interval_text(estimate: Estimate, digits: int = 1) -> str:
