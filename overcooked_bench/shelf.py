@@ -1,11 +1,20 @@
-"""Names that are looked up: a guess at what was meant."""
+"""Names that are looked up: what ships under a name, a path in its place, and a guess at what was meant."""
 
 import difflib
 from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Final
+
+from overcooked_bench.errors import WrongUse
+from overcooked_bench.files import is_file, shown
+
+_LONGEST: Final = 200  # characters of a name that is worth a guess; difflib takes seconds for very long ones
 
 
 def guess(given: object, known: Iterable[str], most: int = 1, cutoff: float = 0.4) -> str:
-    """Gives "did you mean 'greedy'? ", with a space at the end, for a message; an empty text if nothing is near.
+    """Returns "did you mean 'greedy'? ", with a space at the end, for a message; an empty text if nothing is near.
 
     Args:
         given: What was written.
@@ -13,5 +22,59 @@ def guess(given: object, known: Iterable[str], most: int = 1, cutoff: float = 0.
         most: How many guesses to give.
         cutoff: How near a guess has to be, from 0 to 1, as in `difflib.get_close_matches`.
     """
-    near = difflib.get_close_matches(str(given), list(known), n=most, cutoff=cutoff)
+    near = difflib.get_close_matches(str(given)[:_LONGEST], list(known), n=most, cutoff=cutoff)
     return f"did you mean {' or '.join(map(repr, near))}? " if near else ""
+
+
+@dataclass(frozen=True)
+class Shelf:
+    """A folder of the package whose files ship under names, where a path will do too.
+
+    Attributes:
+        what: What stands there, for messages: "protocol".
+        package: The package that holds the folder.
+        suffix: What follows a name: ".yaml", or "/manifest.json" where each name is a folder that holds that file.
+        raises: The class of the error.
+        path: What a path leads to, for messages: "a YAML file".
+        folder: Below the package.
+        first: Names that are listed first, in this order.
+    """
+
+    what: str
+    package: str
+    suffix: str
+    raises: type[WrongUse]
+    path: str
+    folder: str = ""
+    first: tuple[str, ...] = ()
+
+    @property
+    def home(self) -> Path:
+        """The folder."""
+        return Path(str(files(self.package)), self.folder)
+
+    def names(self) -> tuple[str, ...]:
+        """Lists the names that ship."""
+        home = self.home
+        found = {file.relative_to(home).as_posix().removesuffix(self.suffix) for file in home.glob(f"*{self.suffix}")}
+        return *self.first, *sorted(found - set(self.first))
+
+    def find(self, source: str | Path) -> Path:
+        """Returns the file of a name or a path.
+
+        Args:
+            source: A name of `names()`; or the path of a file, or of a folder where names are folders.
+
+        Raises:
+            WrongUse: Of the class `raises`: no such name or path; says which names there are.
+        """
+        names = self.names()
+        if isinstance(source, str) and source in names:
+            return self.home / f"{source}{self.suffix}"
+        given = Path(f"{source}{self.suffix}" if self.suffix.startswith("/") else source)
+        if is_file(given):
+            return given
+        raise self.raises(
+            f"no {self.what} named {shown(source)!r}; {guess(source, names)}Shipped are {', '.join(names) or 'none'}; "
+            f"the path of {self.path} will do too"
+        )
