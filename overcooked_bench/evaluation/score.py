@@ -16,6 +16,7 @@ from overcooked_bench.errors import AgentFault
 from overcooked_bench.evaluation.entrant import Entrant, identify
 from overcooked_bench.evaluation.games.block import Block, play_block
 from overcooked_bench.evaluation.games.engines import map_tasks
+from overcooked_bench.evaluation.games.replayed import check_returns
 from overcooked_bench.evaluation.games.roster import check_pool, roster
 from overcooked_bench.evaluation.games.store import Store
 from overcooked_bench.evaluation.protocol import NEWEST, Protocol, ProtocolError, load_protocol
@@ -97,7 +98,7 @@ def score(
         AgentError: The agent cannot be loaded.
         PoolError: The pool is missing or damaged.
         ProtocolError: The protocol cannot be read, or does not fit the pool or the layouts.
-        StoreError: The folder holds another score.
+        StoreError: The folder holds another score, or what it holds was changed: stored episodes are replayed.
         EngineError: The engine cannot be used.
     """
     started, clock = datetime.now(UTC), time.monotonic()
@@ -199,6 +200,8 @@ def _play_all(
 ) -> set[str]:
     """Plays the blocks that the store lacks; gives the layouts that the agent does not know."""
     finished = store.blocks()
+    if finished:
+        check_returns(store, blocks[0].protocol.cooking, blocks[0].protocol.horizon)
     to_play = [block for block in blocks if block.key not in finished]
     done, episodes = len(blocks) - len(to_play), 0
     unknown: dict[str, str] = {}

@@ -32,9 +32,9 @@ def compute_layouts(
         One score for each layout, and the equal-weight mean over them.
     """
     rows: dict[str, dict[tuple[str, str, str], dict[tuple[int, int, int], tuple[float, int, int]]]] = {}
-    for layout, run, episode, partner, seat, sha256, kind, reward, _, _, ego_soups, partner_soups in store.returns():
-        who = rows.setdefault(layout, {}).setdefault((partner, kind, sha256), {})
-        who[run, episode, seat] = reward, ego_soups, partner_soups
+    for one in store.episodes():
+        who = rows.setdefault(one.layout, {}).setdefault((one.partner, one.kind, one.partner_sha256), {})
+        who[one.training_seed, one.episode, one.seat] = one.soup_reward, one.ego_soups, one.partner_soups
     adapted, scores, repetitions = store.adapted(), [], []
     shape = training_seeds, protocol.episodes, len(protocol.seats)
     for layout in layouts:

@@ -20,3 +20,9 @@ def pool_folder(tmp_path_factory):
 def protocol():
     """One layout, two episodes of 40 steps, the partners `greedy` and, as a floor, `random`; no pool."""
     return read_protocol(protocol_text(), "tiny.yaml")
+
+
+@pytest.fixture(scope="session")
+def tiny():
+    """The same as `protocol`, for fixtures of a module."""
+    return read_protocol(protocol_text(), "tiny.yaml")

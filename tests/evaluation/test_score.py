@@ -1,5 +1,6 @@
 """The main job end to end: resumed, killed, spread over workers, and stopped by a fault."""
 
+import contextlib
 import json
 import os
 import signal
@@ -101,10 +102,20 @@ def test_a_finished_score_is_not_played_again_and_another_is_refused(protocol, t
     again = []
     score("greedy", protocol, output=tmp_path / "out", on_progress=again.append)
     assert again == []
-    with pytest.raises(StoreError, match="another agent"):
+    with pytest.raises(StoreError, match="belongs to another agent"):
         score("stay", protocol, output=tmp_path / "out")
-    with pytest.raises(StoreError, match="another seed"):
+    with pytest.raises(StoreError, match="belongs to another seed"):
         score("greedy", protocol, output=tmp_path / "out", seed=1)
+
+
+def test_a_return_edited_in_the_store_is_not_scored(protocol, tmp_path):
+    score("greedy", protocol, output=tmp_path / "out")
+    written = (tmp_path / "out" / SCORES_FILE).read_bytes()
+    with contextlib.closing(sqlite3.connect(tmp_path / "out" / EPISODES_FILE)) as connection, connection:
+        connection.execute("UPDATE episodes SET soup_reward = 400")
+    with pytest.raises(StoreError, match=r"out/episodes.sqlite: the block cramped_room, .* was changed"):
+        score("greedy", protocol, output=tmp_path / "out")
+    assert (tmp_path / "out" / SCORES_FILE).read_bytes() == written
 
 
 def test_after_a_fault_the_played_blocks_stay(protocol, tmp_path):

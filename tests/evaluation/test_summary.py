@@ -6,7 +6,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from overcooked_bench.evaluation.games.store import Episode, Store
+from overcooked_bench.evaluation.games.episode import Episode
+from overcooked_bench.evaluation.games.store import Store
 from overcooked_bench.evaluation.shown.tables import _worth
 from overcooked_bench.evaluation.statistics import low_quantile, t_interval
 from overcooked_bench.evaluation.summary import compute_layouts, describe_interval
@@ -21,7 +22,7 @@ def summarise(tmp_path, protocol, returns, name="a", layout="cramped_room"):
     with Store(tmp_path / f"{name}.sqlite", {"agent": "x"}) as store:
         for s, e in np.ndindex(seeds, episodes):
             rows = [
-                Episode(layout, s, e, who, k, who * 8, kind, float(returns[s, p, e, k]), 0.0, 0.0, p, 1, "", b"")
+                Episode(layout, s, e, who, k, 0, who * 8, kind, float(returns[s, p, e, k]), 0.0, 0.0, p, 1, "", b"")
                 for p, (who, kind) in enumerate(PARTNERS.items())
                 for k in (0, 1)
             ]
@@ -123,7 +124,7 @@ def test_a_training_seed_is_averaged_over_layouts_before_the_interval(tmp_path, 
         for layout, points in zip(layouts, ([20.0, 40.0, 60.0], [60.0, 40.0, 20.0]), strict=True):
             for s, reward in enumerate(points):
                 rows = [
-                    Episode(layout, s, 0, "ann", k, "a" * 64, "trained", reward, 0.0, 0.0, 1, 1, "", b"")
+                    Episode(layout, s, 0, "ann", k, 0, "a" * 64, "trained", reward, 0.0, 0.0, 1, 1, "", b"")
                     for k in (0, 1)
                 ]
                 store.add_block((layout, s, 0), rows)

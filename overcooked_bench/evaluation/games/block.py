@@ -13,12 +13,12 @@ from overcooked_bench.agents.mirror import mirrored
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.evaluation.entrant import agent_maker
+from overcooked_bench.evaluation.games.episode import Episode, pack_actions, pack_state, side_of
 from overcooked_bench.evaluation.games.play import Games, Party, PlayFault, make_kitchens, play
 from overcooked_bench.evaluation.games.roster import Partner, pool_as_hashed, roster, seat_partners
-from overcooked_bench.evaluation.games.store import Episode, pack_actions, pack_state
 from overcooked_bench.evaluation.games.streams import stream_key
 from overcooked_bench.evaluation.protocol import Protocol
-from overcooked_bench.kitchen.layout import MIRRORED
+from overcooked_bench.kitchen.layout import MIRRORED, Layout
 
 
 @dataclass(frozen=True)
@@ -136,10 +136,14 @@ def _episodes(
     block: Block, partners: Sequence[Partner], who: NDArray[np.int64], seats: NDArray[np.int64], games: Games
 ) -> Iterator[Episode]:
     """Lays the rows out as episodes, by partner and seat."""
+    layout = Layout.load(block.layout)
     for row in np.lexsort((seats, who)):
         partner, mine, theirs = partners[who[row]], int(seats[row]), 1 - int(seats[row])
         yield Episode(
-            *(block.layout, block.training_seed, block.episode, partner.name, mine, partner.sha256, partner.kind),
+            *(block.layout, block.training_seed, block.episode, partner.name, mine),
+            side=side_of(layout, games.starts[row], mine),
+            partner_sha256=partner.sha256,
+            kind=partner.kind,
             soup_reward=float(games.soup_reward[row].sum()),
             ego_partial_reward=float(games.partial_reward[row, mine]),
             partner_partial_reward=float(games.partial_reward[row, theirs]),

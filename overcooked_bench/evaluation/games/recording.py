@@ -3,17 +3,15 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import msgspec
 
-from overcooked_bench.evaluation.games.store import Episode, Store, StoreError
+from overcooked_bench.evaluation.games.episode import Episode
+from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.evaluation.protocol import Protocol
 from overcooked_bench.evaluation.score import EPISODES_FILE
 from overcooked_bench.kitchen.layout import Layout
-
-if TYPE_CHECKING:
-    from overcooked_bench.rendering.replay import Frame
+from overcooked_bench.rendering.replay import Frame, frames_of, play_in_terminal, save_gif
 
 
 @dataclass(frozen=True)
@@ -21,11 +19,13 @@ class Recording:
     """An episode and what is needed to play it again.
 
     Attributes:
+        file: The store.
         episode: What was stored.
         protocol: What it was played under.
         agent: The scored agent's name.
     """
 
+    file: Path
     episode: Episode
     protocol: Protocol
     agent: str
@@ -50,39 +50,33 @@ class Recording:
             f"training seed {e.training_seed}: {e.soup_reward:g} points"
         )
 
-    def frames(self) -> "Iterator[Frame]":
+    def frames(self) -> Iterator[Frame]:
         """Plays the episode again.
 
         Raises:
-            StoreError: The joint actions do not bring the points that were recorded.
+            StoreError: The start state or the joint actions cannot be played, or do not bring the points that were
+                recorded.
         """
-        from overcooked_bench.rendering.replay import frames_of
-
-        points = 0.0
-        for state, points in frames_of(
-            self.layout,
-            self.episode.first_state,
-            self.episode.joint_actions,
-            cooking=self.protocol.cooking,
-            horizon=self.protocol.horizon,
-        ):
-            yield state, points
+        horizon, points = self.protocol.horizon, 0.0
+        try:
+            layout, start = self.layout, self.episode.first_state
+            actions = self.episode.joint_actions(horizon)
+            for state, points in frames_of(layout, start, actions, cooking=self.protocol.cooking, horizon=horizon):
+                yield state, points
+        except (ValueError, LookupError, ArithmeticError, RecursionError) as error:
+            raise StoreError(f"{self.file}: {self.episode.cell} cannot be replayed: {error}") from error
         if points != self.episode.soup_reward:
             raise StoreError(
-                f"{self.title} were recorded, but the joint actions bring {points:g} here; "
+                f"{self.file}: {self.title} were recorded, but the joint actions bring {points:g} here; "
                 "the store was changed, or written by a version with other rules"
             )
 
     def show(self, fps: float = 8, every: int = 1) -> None:
         """Shows the episode in the terminal."""
-        from overcooked_bench.rendering.replay import play_in_terminal
-
         play_in_terminal(self.layout, self.frames(), fps=fps, every=every, names=self.names)
 
     def save_gif(self, file: str | Path, fps: float = 8, every: int = 1) -> None:
         """Writes the episode as a GIF."""
-        from overcooked_bench.rendering.replay import save_gif
-
         save_gif(file, self.layout, self.frames(), fps=fps, every=every, names=self.names)
 
 
@@ -118,8 +112,19 @@ def find_recording(
         found = store.find(where, worst)
         if found is None:
             raise StoreError(f"{file}: {_nothing(store, where)}")
-        settings = msgspec.json.decode(store.facts["settings"], type=Protocol)
-        return Recording(found, settings, store.facts["agent_name"])
+        return Recording(file, found, read_settings(store), store.facts.get("agent_name", "the agent"))
+
+
+def read_settings(store: Store) -> Protocol:
+    """Reads the protocol that a store was played under.
+
+    Raises:
+        StoreError: It is missing or damaged.
+    """
+    try:
+        return msgspec.json.decode(store.facts.get("settings", ""), type=Protocol)
+    except (ValueError, RecursionError) as error:
+        raise StoreError(f"{store.file}: the protocol that it was played under cannot be read ({error})") from error
 
 
 def _nothing(store: Store, where: dict[str, str | int]) -> str:

@@ -1,117 +1,57 @@
 """The store of a score: every episode of every finished block, in SQLite.
 
-A block is written in one transaction, so that a process may be killed at any moment and the next one goes on.
+A block is written in one transaction, so that a process may be killed at any moment and the next one continues.
+What is read is never trusted: a store may have been damaged, edited or downloaded.
 """
 
+import hashlib
 import json
 import sqlite3
-import zlib
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
+from urllib.parse import quote
 
-import numpy as np
-from numpy.typing import NDArray
+import msgspec
 
 from overcooked_bench.errors import WrongUse
-from overcooked_bench.kitchen.state import KitchenState
+from overcooked_bench.evaluation.games.episode import COLUMNS, KEY, Block, Episode, checksum, read_row, sql_columns
+from overcooked_bench.evaluation.games.store_upgrades import UPGRADES
 
-SCHEMA: Final = "1"
-_TABLES: Final = """
-CREATE TABLE facts (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
-CREATE TABLE blocks (
-    layout TEXT, training_seed INTEGER, episode INTEGER, adapted INTEGER NOT NULL,
-    PRIMARY KEY (layout, training_seed, episode)
-) WITHOUT ROWID;
-CREATE TABLE episodes (
-    layout TEXT, training_seed INTEGER, episode INTEGER, partner TEXT, seat INTEGER,
-    partner_sha256 TEXT NOT NULL, kind TEXT NOT NULL,
-    soup_reward REAL NOT NULL,
-    ego_partial_reward REAL NOT NULL, partner_partial_reward REAL NOT NULL,
-    ego_soups INTEGER NOT NULL, partner_soups INTEGER NOT NULL,
-    start TEXT NOT NULL, actions BLOB NOT NULL,
-    PRIMARY KEY (layout, training_seed, episode, partner, seat)
-);
-"""
-_COLUMNS: Final = 14
-_KEY: Final = "layout, training_seed, episode, partner, seat"
+SCHEMA: Final = "2"
+_TABLES: Final = (
+    "CREATE TABLE facts (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID",
+    "CREATE TABLE blocks (\n    layout TEXT, training_seed INTEGER, episode INTEGER, adapted INTEGER NOT NULL, "
+    "sha256 TEXT NOT NULL,\n    PRIMARY KEY (layout, training_seed, episode)\n) WITHOUT ROWID",
+    f"CREATE TABLE episodes (\n    {sql_columns()}\n)",
+)
+_ORDER: Final = ", ".join(KEY)
+_BLOCK: Final = " AND ".join(f"{column} = ?" for column in KEY[:3])
+_SELECT: Final = f"SELECT {', '.join(COLUMNS)} FROM episodes"
+_DAMAGED: Final = "it is damaged or no store of episodes; delete it, or write to another folder with --output"
+_UNWRITABLE: Final = "finished blocks are kept; mend that and run the same command again, or choose another --output"
 
 
 class StoreError(WrongUse):
-    """A score's folder cannot be used; the message says why and what to do instead."""
-
-
-class Episode(NamedTuple):
-    """One finished episode; a row of the table `episodes`.
-
-    Attributes:
-        layout: The layout's name.
-        training_seed: Which training run of the scored agent.
-        episode: Index of the start state.
-        partner: The partner's name.
-        seat: The scored agent's seat.
-        partner_sha256: Hash of what the partner is.
-        kind: "trained", "scripted" or "floor".
-        soup_reward: The team's points.
-        ego_partial_reward: The scored agent's partial rewards, points.
-        partner_partial_reward: The partner's.
-        ego_soups: Soups that the scored agent delivered.
-        partner_soups: Soups that the partner delivered.
-        start: The first state in overcooked_ai's JSON form.
-        actions: (T, 2) uint8 joint actions, packed by `pack_actions`.
-    """
-
-    layout: str
-    training_seed: int
-    episode: int
-    partner: str
-    seat: int
-    partner_sha256: str
-    kind: str
-    soup_reward: float
-    ego_partial_reward: float
-    partner_partial_reward: float
-    ego_soups: int
-    partner_soups: int
-    start: str
-    actions: bytes
-
-    @property
-    def first_state(self) -> KitchenState:
-        """The state that the episode began in."""
-        return KitchenState.from_dict(json.loads(self.start))
-
-    @property
-    def joint_actions(self) -> NDArray[np.uint8]:
-        """(T, 2) uint8."""
-        return np.frombuffer(zlib.decompress(self.actions), np.uint8).reshape(-1, 2)
-
-
-def pack_state(state: KitchenState) -> str:
-    """Writes a state as compact JSON."""
-    return json.dumps(state.to_dict(), separators=(",", ":"))
-
-
-def pack_actions(actions: NDArray[np.uint8]) -> bytes:
-    """Compresses (T, 2) joint actions."""
-    return zlib.compress(np.ascontiguousarray(actions).tobytes(), 6)
+    """A score's folder cannot be used; the message names the file and says what to do instead."""
 
 
 class Store:
     """The episodes of one score.
 
     Args:
-        file: The database; made where there is none.
+        file: The database; created if there is none.
         facts: What identifies the score (hashes of protocol, agent and pool); those of an existing store must be the
-            same once it holds a finished block, and are replaced before. None opens an existing store as it is.
+            same once it holds a finished block, and are replaced before. None opens an existing store to be read; one
+            of an older schema is then upgraded in memory, and the file stays as it is.
         notes: What else is to be kept; not compared.
 
     Attributes:
         facts: Facts and notes of the store.
 
     Raises:
-        StoreError: The file belongs to another score, to another version, or is not a store.
+        StoreError: The file belongs to another score or to another version, is damaged, or cannot be opened.
     """
 
     def __init__(
@@ -120,19 +60,19 @@ class Store:
         self.file = Path(file)
         if facts is None and not self.file.is_file():
             raise StoreError(f"{self.file}: no such file; give the folder of a score, or its episodes.sqlite")
-        self.file.parent.mkdir(parents=True, exist_ok=True)
-        self._connection = sqlite3.connect(self.file, isolation_level=None, timeout=60)
+        with self._guarded(_DAMAGED):
+            if facts is not None:
+                self.file.parent.mkdir(parents=True, exist_ok=True)
+            address = f"file:{quote(str(self.file.absolute()))}?mode={'rw' if facts is None else 'rwc'}"
+            self._connection = sqlite3.connect(address, uri=True, isolation_level=None, timeout=60)
         try:
-            with self._transaction():
-                if facts is not None:
-                    self._begin({**(notes or {}), **facts, "schema": SCHEMA})
-            self.facts: dict[str, str] = self._read_facts()
-        except sqlite3.DatabaseError as error:
-            self.close()
-            raise StoreError(f"{self.file}: not a store of episodes ({error}); choose another folder") from error
-        try:
-            self._compare({**(facts or {}), "schema": SCHEMA})
-        except StoreError:
+            with self._guarded(_DAMAGED):
+                if facts is None:
+                    self._open_to_read()
+                else:
+                    self._open_to_write({**facts, "schema": SCHEMA}, notes or {})
+                self.facts: dict[str, str] = self._read_facts()
+        except BaseException:
             self.close()
             raise
 
@@ -146,98 +86,218 @@ class Store:
         """Closes the file."""
         self._connection.close()
 
-    def blocks(self) -> set[tuple[str, int, int]]:
+    def blocks(self) -> set[Block]:
         """Lists the finished blocks: (layout, training seed, episode)."""
-        return set(self._connection.execute("SELECT layout, training_seed, episode FROM blocks"))
+        with self._guarded(_DAMAGED):
+            return set(self._connection.execute(f"SELECT {', '.join(KEY[:3])} FROM blocks"))
 
     def adapted(self) -> set[str]:
         """Lists the layouts that were played in their mirror image."""
-        return {layout for (layout,) in self._connection.execute("SELECT layout FROM blocks WHERE adapted")}
+        with self._guarded(_DAMAGED):
+            return {layout for (layout,) in self._connection.execute("SELECT layout FROM blocks WHERE adapted")}
 
-    def add_block(self, block: tuple[str, int, int], episodes: Iterable[Episode], adapted: bool = False) -> None:
+    def add_block(self, block: Block, episodes: Iterable[Episode], adapted: bool = False) -> None:
         """Writes a finished block at once; a block that is there already is left alone.
 
         Raises:
-            StoreError: Another score has taken the store over since it was opened.
+            StoreError: Another score has taken the store over since it was opened, or the block cannot be written.
         """
-        marks = ", ".join("?" * _COLUMNS)
-        with self._transaction():
+        rows = list(episodes)
+        with self._guarded(_UNWRITABLE), self._transaction():
             if self._read_facts() != self.facts:
                 raise StoreError(f"{self.file} was taken over by another score; give each its own folder with --output")
-            written = self._connection.execute(
-                "INSERT OR IGNORE INTO blocks VALUES (?, ?, ?, ?)", (*block, int(adapted))
-            )
+            values = (*block, int(adapted), checksum(block, adapted, rows))
+            written = self._connection.execute("INSERT OR IGNORE INTO blocks VALUES (?, ?, ?, ?, ?)", values)
             if written.rowcount:
-                self._connection.executemany(f"INSERT INTO episodes VALUES ({marks})", episodes)
+                marks = ", ".join("?" * len(COLUMNS))
+                self._connection.executemany(
+                    f"INSERT INTO episodes VALUES ({marks})", map(msgspec.structs.astuple, rows)
+                )
 
     def find(self, where: Mapping[str, str | int], worst: bool = False) -> Episode | None:
-        """Reads the first episode that fits, in the order of its key; None where none does.
+        """Reads the first episode that matches, in the order of its key.
 
         Args:
             where: Column of `Episode` -> value.
-            worst: Floors left out, the one with the fewest points.
+            worst: The one with the fewest points, floors left out.
+
+        Returns:
+            The episode, or None if none matches.
         """
         conditions = [f"{_column(column)} = ?" for column in where] + (["kind != 'floor'"] if worst else [])
-        order = ("soup_reward, " if worst else "") + _KEY
-        query = f"SELECT * FROM episodes WHERE {' AND '.join(conditions) or '1'} ORDER BY {order} LIMIT 1"
-        row = self._connection.execute(query, tuple(where.values())).fetchone()
-        return row and Episode(*row)
+        order = ("soup_reward, " if worst else "") + _ORDER
+        query = f"SELECT {_ORDER} FROM episodes WHERE {' AND '.join(conditions) or '1'} ORDER BY {order} LIMIT 1"
+        with self._guarded(_DAMAGED):
+            key = self._connection.execute(query, tuple(where.values())).fetchone()
+            if key is None:
+                return None
+            rows = self._block(key[:3])
+            return next(row for row in rows if (*row.block, row.partner, row.seat) == key)
 
     def values(self, column: str) -> list[Any]:
-        """Lists what stands in a column of `Episode`, each value once."""
+        """Lists the different values of a column of `Episode`."""
         name = _column(column)
-        return [value for (value,) in self._connection.execute(f"SELECT DISTINCT {name} FROM episodes ORDER BY {name}")]
+        with self._guarded(_DAMAGED):
+            query = f"SELECT DISTINCT {name} FROM episodes ORDER BY {name}"
+            return [value for (value,) in self._connection.execute(query)]
 
     def episodes(self) -> Iterator[Episode]:
-        """Reads all episodes in the order of their key."""
-        for row in self._connection.execute(f"SELECT * FROM episodes ORDER BY {_KEY}"):
-            yield Episode(*row)
+        """Reads all episodes in the order of their key; every block is compared with its checksum.
 
-    def returns(self) -> list[tuple[Any, ...]]:
-        """Reads what scores are made of, without starts and actions: all columns of `Episode` up to `partner_soups`."""
-        columns = ", ".join(Episode._fields[:-2])
-        return list(self._connection.execute(f"SELECT {columns} FROM episodes ORDER BY {_KEY}"))
+        Raises:
+            StoreError: A block is not as it was written.
+        """
+        with self._guarded(_DAMAGED):
+            keys, total = sorted(self.blocks()), 0
+            (stored,) = self._connection.execute("SELECT count(*) FROM episodes").fetchone()
+        for key in keys:
+            with self._guarded(_DAMAGED):
+                rows = self._block(key)
+            total += len(rows)
+            yield from rows
+        if total != stored:
+            raise StoreError(f"{self.file}: {stored - total} episodes belong to no finished block; {_DAMAGED}")
 
-    def _begin(self, entries: Mapping[str, str]) -> None:
+    def _block(self, key: Block) -> list[Episode]:
+        adapted, expected = self._connection.execute(
+            f"SELECT adapted, sha256 FROM blocks WHERE {_BLOCK}", key
+        ).fetchone() or (0, "")
+        rows = [read_row(row) for row in self._connection.execute(f"{_SELECT} WHERE {_BLOCK} ORDER BY {_ORDER}", key)]
+        if checksum(key, bool(adapted), rows) != expected:
+            raise StoreError(
+                f"{self.file}: the block {key[0]}, training seed {key[1]}, episode {key[2]} was changed after it was "
+                f"written (its checksum differs); {_DAMAGED}"
+            )
+        return rows
+
+    def _open_to_read(self) -> None:
+        self._connection.execute("PRAGMA query_only = ON")
+        schema = self._schema()
+        if schema is None:
+            raise StoreError(f"{self.file}: not a store of episodes (it has no tables); {_DAMAGED}")
+        if schema != SCHEMA:
+            old, self._connection = self._connection, sqlite3.connect(":memory:", isolation_level=None)
+            try:
+                self._create()
+                self._upgrade(old, schema)
+            finally:
+                old.close()
+        self._check_tables(_TABLES)
+
+    def _open_to_write(self, facts: Mapping[str, str], notes: Mapping[str, str]) -> None:
         """Writes what identifies the score, unless a finished block belongs to what is written there already."""
-        if not self._has_tables():
-            for statement in _TABLES.split(";"):
-                self._connection.execute(statement)
-        elif self._read_facts().get("schema") != SCHEMA or self.blocks():
+        if self._schema() == SCHEMA and self.blocks():
+            self._check_tables(_TABLES)
+            self._compare(facts)
             return
-        self._connection.execute("DELETE FROM facts")
-        self._connection.executemany("INSERT INTO facts VALUES (?, ?)", sorted(entries.items()))
+        with self._transaction():
+            schema = self._schema()
+            if schema is not None and self.blocks():
+                self._compare(facts)
+                return
+            for name in ("facts", "blocks", "episodes"):
+                self._connection.execute(f"DROP TABLE IF EXISTS {name}")
+            self._create()
+            entries = {**notes, **facts}
+            entries["checksum"] = _digest(entries)
+            self._connection.executemany("INSERT INTO facts VALUES (?, ?)", sorted(entries.items()))
+
+    def _create(self) -> None:
+        for statement in _TABLES:
+            self._connection.execute(statement)
+
+    def _upgrade(self, old: sqlite3.Connection, schema: str) -> None:
+        """Copies a store of an older schema into this one, which is in memory."""
+        if schema not in UPGRADES:
+            raise StoreError(
+                f"{self.file} has the schema {schema}; this version reads {SCHEMA} and {', '.join(UPGRADES)}"
+            )
+        facts, blocks = UPGRADES[schema](old)
+        facts["schema"] = SCHEMA
+        facts["checksum"] = _digest(facts)
+        self._connection.executemany("INSERT INTO facts VALUES (?, ?)", sorted(facts.items()))
+        self.facts = self._read_facts()
+        for block, (adapted, rows) in blocks.items():
+            self.add_block(block, rows, adapted)
+
+    def _schema(self) -> str | None:
+        """Returns the schema's number, or None if the file has no tables yet."""
+        found = list(self._connection.execute("SELECT name, type FROM sqlite_master"))
+        if not found:
+            return None
+        if not {("facts", "table"), ("blocks", "table"), ("episodes", "table")} <= set(found):
+            raise StoreError(f"{self.file}: its tables are not those of a store of episodes; {_DAMAGED}")
+        row = self._connection.execute("SELECT value FROM facts WHERE key = 'schema'").fetchone()
+        return str(row[0]) if row else "none"
+
+    def _check_tables(self, tables: Iterable[str]) -> None:
+        """Makes sure that there is nothing but these tables: a view or a trigger would be executed."""
+        query = "SELECT sql FROM sqlite_master WHERE name NOT LIKE 'sqlite~_%' ESCAPE '~'"
+        if {sql for (sql,) in self._connection.execute(query)} != set(tables):
+            raise StoreError(f"{self.file}: its tables are not those of schema {SCHEMA}; {_DAMAGED}")
 
     def _read_facts(self) -> dict[str, str]:
-        return dict(self._connection.execute("SELECT key, value FROM facts"))
-
-    def _has_tables(self) -> bool:
-        found = self._connection.execute("SELECT count(*) FROM sqlite_master WHERE name = 'facts'")
-        return bool(found.fetchone()[0])
+        facts = dict(self._connection.execute("SELECT key, value FROM facts"))
+        expected = facts.pop("checksum", None)
+        if _digest(facts) != expected:
+            raise StoreError(f"{self.file}: what identifies the score was changed (its checksum differs); {_DAMAGED}")
+        return facts
 
     def _compare(self, facts: Mapping[str, str]) -> None:
+        schema = self._schema()
+        if schema != SCHEMA:
+            raise StoreError(
+                f"{self.file} was written by another version (schema {schema}, this version writes {SCHEMA}), whose "
+                "games had other random streams, so it cannot be continued; `overcooked-bench replay` still shows it. "
+                "Write to another folder with --output, or delete this one"
+            )
+        known = self._read_facts()
         for key, value in facts.items():
-            if self.facts.get(key) != value:
+            if known.get(key) != value:
                 raise StoreError(
-                    f"{self.file} was begun with another {key.replace('_', ' ')} "
-                    f"({_short(self.facts.get(key))} there, {_short(value)} now); "
+                    f"{self.file} belongs to another {key.replace('_', ' ')} "
+                    f"({_short(known.get(key))} there, {_short(value)} now); "
                     "write to another folder with --output, or delete this one"
                 )
+
+    @contextmanager
+    def _guarded(self, advice: str) -> Iterator[None]:
+        """Turns everything that a damaged or unwritable file causes into a StoreError that names the file."""
+        try:
+            yield
+        except StoreError:
+            raise
+        except (
+            sqlite3.Error,
+            OSError,
+            ValueError,
+            TypeError,
+            LookupError,
+            ArithmeticError,
+            RecursionError,
+            MemoryError,
+        ) as error:
+            raise StoreError(f"{self.file}: {type(error).__name__}: {error}; {advice}") from error
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
         self._connection.execute("BEGIN IMMEDIATE")
         try:
             yield
+            self._connection.execute("COMMIT")
         except BaseException:
-            self._connection.execute("ROLLBACK")
+            with suppress(sqlite3.Error):  # a full disk has rolled it back already
+                self._connection.execute("ROLLBACK")
             raise
-        self._connection.execute("COMMIT")
+
+
+def _digest(facts: Mapping[str, str]) -> str:
+    return hashlib.sha256(json.dumps(sorted(facts.items())).encode()).hexdigest()
 
 
 def _column(name: str) -> str:
-    if name not in Episode._fields:
-        raise ValueError(f"no column {name!r}; columns are {', '.join(Episode._fields)}")
+    if name not in COLUMNS:
+        raise ValueError(f"no column {name!r}; columns are {', '.join(COLUMNS)}")
     return name
 
 

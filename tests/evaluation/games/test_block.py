@@ -25,7 +25,7 @@ def test_a_block_is_every_partner_from_both_seats(protocol, pool_folder):
     names = [("greedy", "scripted"), ("random", "floor"), ("sp-0", "trained"), ("sp-1", "trained")]
     found = [(episode.partner, episode.kind, episode.seat) for episode in outcome.episodes]
     assert found == [(*who, seat) for who in names for seat in (0, 1)]
-    assert all(episode.joint_actions.shape == (40, 2) for episode in outcome.episodes)
+    assert all(episode.joint_actions(40).shape == (40, 2) for episode in outcome.episodes)
 
 
 def test_the_same_block_is_the_same_to_the_byte(protocol, pool_folder):
@@ -69,7 +69,7 @@ def test_joint_actions_replay_to_the_recorded_points():
     outcome = play_block(block(protocol))
     assert sum(episode.soup_reward for episode in outcome.episodes) > 0
     for episode in outcome.episodes:
-        *_, (_, points) = frames_of("cramped_room", json.loads(episode.start), episode.joint_actions, horizon=200)
+        *_, (_, points) = frames_of("cramped_room", json.loads(episode.start), episode.joint_actions(200), horizon=200)
         assert points == episode.soup_reward == 20 * (episode.ego_soups + episode.partner_soups)
 
 
@@ -125,7 +125,7 @@ def test_an_edited_submission_is_not_played_by_its_old_code(protocol, tmp_path):
     before = block(protocol, file, episode=1)
     south = play_block(block(protocol, write_agent(file, act="return np.full(n, 1)")))
     for outcome, action in ((north, 0), (south, 1)):
-        assert all((episode.joint_actions[:, episode.seat] == action).all() for episode in outcome.episodes)
+        assert all((episode.joint_actions(40)[:, episode.seat] == action).all() for episode in outcome.episodes)
     with pytest.raises(AgentError, match="changed while it was being scored"):
         play_block(before)
 

@@ -4,7 +4,8 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from overcooked_bench.evaluation.games.store import Episode, Store, StoreError, pack_actions
+from overcooked_bench.evaluation.games.episode import Episode, pack_actions
+from overcooked_bench.evaluation.games.store import Store, StoreError
 
 FACTS = {"protocol": "a" * 64, "agent": "b" * 64, "pool": "none", "seed": "0"}
 ACTIONS = np.arange(12, dtype=np.uint8).reshape(6, 2) % 6
@@ -12,19 +13,18 @@ ACTIONS = np.arange(12, dtype=np.uint8).reshape(6, 2) % 6
 
 def episode(partner="greedy", seat=0, layout="cramped_room", points=20.0, index=0, kind="scripted"):
     blob = pack_actions(ACTIONS)
-    return Episode(layout, 0, index, partner, seat, "c" * 64, kind, points, 3.0, 5.0, 1, 0, "{}", blob)
+    return Episode(layout, 0, index, partner, seat, 0, "c" * 64, kind, points, 3.0, 5.0, 1, 0, "{}", blob)
 
 
 def test_what_is_written_is_read_back(tmp_path):
     with Store(tmp_path / "new" / "episodes.sqlite", FACTS, {"agent_name": "me"}) as store:
         store.add_block(("cramped_room", 0, 0), [episode(seat=1), episode(seat=0)], adapted=True)
     with Store(tmp_path / "new" / "episodes.sqlite") as store:
-        assert store.facts == {**FACTS, "agent_name": "me", "schema": "1"}
+        assert store.facts == {**FACTS, "agent_name": "me", "schema": "2"}
         assert list(store.episodes()) == [episode(seat=0), episode(seat=1)]
-        assert (next(store.episodes()).joint_actions == ACTIONS).all()
+        assert (next(store.episodes()).joint_actions(6) == ACTIONS).all()
         assert store.blocks() == {("cramped_room", 0, 0)}
         assert store.adapted() == {"cramped_room"}
-        assert store.returns() == [tuple(episode(seat=seat))[:-2] for seat in (0, 1)]
 
 
 def test_a_block_is_written_whole_or_not_at_all(tmp_path):
@@ -47,7 +47,7 @@ def test_another_scores_folder_is_refused(key, tmp_path):
     with Store(tmp_path / "episodes.sqlite", FACTS) as store:
         store.add_block(("cramped_room", 0, 0), [episode()])
     Store(tmp_path / "episodes.sqlite", FACTS, {"agent_name": "renamed"}).close()
-    with pytest.raises(StoreError, match=f"begun with another {key} .*--output"):
+    with pytest.raises(StoreError, match=f"belongs to another {key} .*--output"):
         Store(tmp_path / "episodes.sqlite", {**FACTS, key: "d" * 64})
 
 
@@ -65,16 +65,16 @@ def test_a_store_of_another_version_is_refused(tmp_path):
     Store(tmp_path / "episodes.sqlite", FACTS).close()
     connection = sqlite3.connect(tmp_path / "episodes.sqlite")
     with connection:
-        connection.execute("UPDATE facts SET value = '0' WHERE key = 'schema'")
+        connection.execute("UPDATE facts SET value = '9' WHERE key = 'schema'")
     connection.close()
-    with pytest.raises(StoreError, match="another schema"):
+    with pytest.raises(StoreError, match="has the schema 9; this version reads 2 and 1"):
         Store(tmp_path / "episodes.sqlite")
 
 
 @pytest.mark.parametrize("facts", [None, FACTS])
 def test_a_file_that_is_no_store_is_refused(facts, tmp_path):
     (tmp_path / "episodes.sqlite").write_text("not a database, but some text that is long enough " * 40)
-    with pytest.raises(StoreError, match="not a store of episodes"):
+    with pytest.raises(StoreError, match=r"episodes.sqlite: .*damaged or no store of episodes"):
         Store(tmp_path / "episodes.sqlite", facts)
 
 

@@ -133,6 +133,6 @@ def test_what_is_not_there_is_told(where, words, scored):
 
 def test_a_recording_that_does_not_bring_its_points_is_refused(scored):
     found = find_recording(scored.folder)
-    forged = found.episode._replace(soup_reward=found.episode.soup_reward + 20)
+    forged = msgspec.structs.replace(found.episode, soup_reward=found.episode.soup_reward + 20)
     with pytest.raises(StoreError, match="the joint actions bring"):
         list(replace(found, episode=forged).frames())
