@@ -1,4 +1,4 @@
-"""What the README shows runs as it stands there."""
+"""What the README and the pages of docs/ show runs as it stands there."""
 
 import re
 from pathlib import Path
@@ -10,10 +10,17 @@ from overcooked_bench import play_episodes
 from overcooked_bench.agents import UnknownLayout
 from overcooked_bench.agents.submissions.loading import load_submission
 
-README = (Path(__file__).parents[1] / "README.md").read_text("utf-8")
-BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
-SUBMISSIONS = [block for block in BLOCKS if "def make_agent" in block]
-SCRIPTS = [block for block in BLOCKS if "def make_agent" not in block]
+ROOT = Path(__file__).parents[1]
+PAGES = {path.name: path.read_text("utf-8") for path in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]}
+BLOCKS = [
+    (f"{page}-{number}", block)
+    for page, text in PAGES.items()
+    for number, block in enumerate(re.findall(r"```python\n(.*?)```", text, re.DOTALL))
+]
+SUBMISSIONS = {name: block for name, block in BLOCKS if "def make_agent" in block}
+NETWORKS = {name: block for name, block in SUBMISSIONS.items() if "torch" in block}
+SIMPLE = {name: block for name, block in SUBMISSIONS.items() if name not in NETWORKS}
+SCRIPTS = {name: block for name, block in BLOCKS if name not in SUBMISSIONS}
 
 
 def submission(text, tmp_path):
@@ -21,7 +28,7 @@ def submission(text, tmp_path):
     return load_submission(tmp_path / "agent.py")
 
 
-@pytest.mark.parametrize("text", SUBMISSIONS[:2], ids=["a_batch", "one_game_at_a_time"])
+@pytest.mark.parametrize("text", SIMPLE.values(), ids=SIMPLE)
 def test_a_submission_plays(text, tmp_path):
     shown = submission(text, tmp_path)
     assert shown.training_seeds == 1
@@ -35,7 +42,8 @@ def test_the_network_plays_what_it_has_weights_for(tmp_path):
 
     body = torch.nn.Sequential(torch.nn.Flatten(), torch.nn.Linear(440, 8), torch.nn.ReLU(), torch.nn.Linear(8, 6))
     save_file(body.state_dict(), tmp_path / "cramped_room-4.safetensors")
-    shown = submission(SUBMISSIONS[2], tmp_path)
+    (text,) = NETWORKS.values()
+    shown = submission(text, tmp_path)
     assert shown.training_seeds == 5
     pair = (shown.make_agent("cramped_room", 4), shown.make_agent("cramped_room", 4))
     assert play_episodes("cramped_room", agents=pair, episodes=3, horizon=20).soup_reward.shape == (3,)
@@ -43,10 +51,10 @@ def test_the_network_plays_what_it_has_weights_for(tmp_path):
         shown.make_agent("coordination_ring", 0)
 
 
-@pytest.mark.parametrize("text", SCRIPTS, ids=["environments", "kitchens"])
+@pytest.mark.parametrize("text", SCRIPTS.values(), ids=SCRIPTS)
 def test_a_script_runs(text):
     names: dict[str, object] = {}
-    exec(compile(text, "README.md", "exec"), names)
+    exec(compile(text, "a page", "exec"), names)
     for name in ("env", "many", "own"):
         if name in names:
             observation, _ = names[name].reset(seed=0)
@@ -56,11 +64,11 @@ def test_a_script_runs(text):
     assert "env" in names or names["views"].shape == (4096, 2, 26, 4, 5)
 
 
-def test_the_scenario_stands_the_gates(tmp_path):
+def test_the_scenario_passes_the_acceptance_checks(tmp_path):
     from overcooked_bench.scenarios.language.loading import load_scenario
     from overcooked_bench.scenarios.solving.gates import check
 
-    (text,) = re.findall(r"```yaml\n(.*?)```", README, re.DOTALL)
+    (text,) = re.findall(r"```yaml\n(.*?)```", PAGES["scenario-language.md"], re.DOTALL)
     name = text.partition("id: ")[2].partition("\n")[0]
     (tmp_path / f"{name}.scenario.yaml").write_text(text)
     assert len(text.splitlines()) <= 15
@@ -68,20 +76,19 @@ def test_the_scenario_stands_the_gates(tmp_path):
     assert report.mergeable, report.faults
 
 
-def test_whoever_writes_a_scenario_finds_every_word_here():
+def test_every_word_of_the_scenario_language_is_explained():
     from overcooked_bench.agents.behaviours.parsing import KINDS, MANNERS, TIMED
     from overcooked_bench.scenarios import CATEGORIES
     from overcooked_bench.scenarios.language.counters import EVENTS
     from overcooked_bench.scenarios.language.loading import CHEF_KEYS, KEYS
     from overcooked_bench.scenarios.language.predicates import _AFTER_CHEF
 
-    chapter = README.partition("### Write a scenario")[2].partition("\n## ")[0]
     parameters = {key for kind in KINDS.values() for key in (*kind.needs, *kind.may)}
     for word in (*KEYS, *CHEF_KEYS, *KINDS, *MANNERS, *TIMED, *parameters, *EVENTS, *_AFTER_CHEF, *CATEGORIES):
-        assert re.search(rf"`[^`\n]*\b{word}\b", chapter), word
+        assert re.search(rf"`[^`\n]*\b{word}\b", PAGES["scenario-language.md"]), word
 
 
-def test_every_option_of_the_plugin_is_told():
+def test_every_option_of_the_plugin_is_listed():
     from overcooked_bench.scenarios.plugin.hooks import pytest_addoption
 
     class Parser:
@@ -94,6 +101,20 @@ def test_every_option_of_the_plugin_is_told():
             self.options.append(name)
 
     pytest_addoption(Parser())
-    chapter = README.partition("## Cooperation unit tests")[2].partition("\n## ")[0]
-    assert [option for option in Parser.options if option not in chapter] == []
+    assert [option for option in Parser.options if option not in PAGES["unit-tests.md"]] == []
     assert "--agent" in Parser.options
+
+
+LINKS = [
+    (page, link) for page, text in PAGES.items() for link in re.findall(r"\]\(([^)#]+)", text) if "://" not in link
+]
+
+
+@pytest.mark.parametrize(("page", "link"), LINKS, ids=str)
+def test_every_link_inside_the_repository_leads_to_a_file(page, link):
+    folder = ROOT if page == "README.md" else ROOT / "docs"
+    assert (folder / link).exists()
+
+
+def test_the_readme_is_one_page():
+    assert len(PAGES["README.md"].splitlines()) <= 200

@@ -19,10 +19,8 @@ LISTED = {re.compile(rf"(?<![\w-])(?:{phrase})(?![\w-])", re.IGNORECASE): phrase
 CODE = re.compile(r"```.*?```|``.*?``|`[^`\n]*`", re.DOTALL)
 FOLDERS = ("overcooked_bench", "baselines", "protocols", "unit_scenarios", "docs")
 NOT_YET = (
-    "CHANGELOG.md",
-    "README.md",
     "baselines/",
-    "docs/",
+    "docs/scenarios.md",
     "overcooked_bench/",
     "tests/benchmarks/",
     "unit_scenarios/",

@@ -76,14 +76,14 @@ def test_run_shows_films(home, capsys):
 def test_compare_counts_what_tells_agents_apart(home, capsys):
     assert scenarios("compare", "potter.py", "stay", "greedy", "--select", "T01-yield.yaml,T02-pot.yaml") == 0
     assert capsys.readouterr().out.splitlines() == [
-        "|                            | state | convention | all |",
-        "|----------------------------|------:|-----------:|----:|",
-        "| potter.py                  |     4 |          0 |   4 |",
-        "| stay                       |     0 |          0 |   0 |",
-        "| greedy                     |     4 |          0 |   4 |",
-        "| items                      |     4 |          4 |   8 |",
-        "| items that tell them apart |     4 |          0 |   4 |",
-        "| scenarios that do          |     1 |          0 |   1 |",
+        "|                             | state | convention | all |",
+        "|-----------------------------|------:|-----------:|----:|",
+        "| potter.py                   |     4 |          0 |   4 |",
+        "| stay                        |     0 |          0 |   0 |",
+        "| greedy                      |     4 |          0 |   4 |",
+        "| items                       |     4 |          4 |   8 |",
+        "| items that discriminate     |     4 |          0 |   4 |",
+        "| scenarios that discriminate |     1 |          0 |   1 |",
     ]
     assert scenarios("compare", "stay", "--select", "T02-pot.yaml", "--json") == 0
     assert len(json.loads(capsys.readouterr().out)["stay"]) == 4

@@ -81,7 +81,9 @@ def category_table(records: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def agents_table(played: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]:
-    """Lays out agents as Markdown: how many items of each category they pass, and how many tell them apart.
+    """Lays out agents as Markdown: how many items of each category they pass, and how many discriminate.
+
+    An item discriminates if one agent passes it and another fails it; a scenario, if one of its items does.
 
     Args:
         played: Records of the same items for each agent.
@@ -95,9 +97,9 @@ def agents_table(played: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]
     rows = [["", *ids]]
     rows += [[agent, *(str(len(own & some)) for some in ids.values())] for agent, own in passed.items()]
     rows.append(["items", *(str(len(some)) for some in ids.values())])
-    rows.append(["items that tell them apart", *(str(len(apart & some)) for some in ids.values())])
-    telling = [len({scenario for item in apart & some for scenario in scenarios[item]}) for some in ids.values()]
-    rows.append(["scenarios that do", *map(str, telling)])
+    rows.append(["items that discriminate", *(str(len(apart & some)) for some in ids.values())])
+    separating = [len({scenario for item in apart & some for scenario in scenarios[item]}) for some in ids.values()]
+    rows.append(["scenarios that discriminate", *map(str, separating)])
     widths = [max(len(row[column]) for row in rows) for column in range(len(ids) + 1)]
     lines = [" | ".join(_padded(row, widths)) for row in rows]
     rule = "|".join(f"{'-' * (width + 1)}{':' if place else '-'}" for place, width in enumerate(widths))

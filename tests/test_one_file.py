@@ -1,0 +1,132 @@
+"""A new layout, scenario or protocol is one new file; CONTRIBUTING.md names the test of every kind.
+
+Each test adds its file to a copy of the folder that it belongs to, and uses it from there in a new process.
+"""
+
+import re
+import shutil
+import subprocess
+import sys
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+IN_PLACE_OF_THE_FOLDER = """
+import importlib.util
+import sys
+
+spec = importlib.util.spec_from_file_location({package!r}, {folder!r} + "/__init__.py")
+sys.modules[spec.name] = importlib.util.module_from_spec(spec)
+"""
+
+
+@pytest.fixture
+def with_file(tmp_path):
+    """Runs a program for which a package of data files has one more file, and returns what it prints."""
+
+    def run(package: str, file: str, text: str, program: str) -> str:
+        folder = tmp_path / package
+        shutil.copytree(str(files(package)), folder, ignore=shutil.ignore_patterns("__pycache__"))
+        (folder / file).write_text(text)
+        start = IN_PLACE_OF_THE_FOLDER.format(package=package, folder=str(folder))
+        done = subprocess.run([sys.executable, "-c", start + program], cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    return run
+
+
+LAYOUT = """
+import gymnasium
+from overcooked_bench.cli import main
+
+env = gymnasium.make("overcooked_bench:Overcooked/Galley-v0", partner="greedy")
+print(env.reset(seed=0)[0].shape)
+env.step(5)
+main(["list", "layouts"])
+"""
+
+
+def test_a_layout_is_one_file(with_file):
+    grid = "XXXPXXX\nO1   2D\nXXXSXXX\n"
+    shape, *listed = with_file("overcooked_bench.kitchen.layouts", "galley.layout", grid, LAYOUT).splitlines()
+    assert shape == "(22, 3, 7)"
+    assert any("galley" in line for line in listed)
+
+
+SCENARIO = """
+id: X01-one-step-to-serve
+category: state
+layout: cramped_room
+kitchen: |
+  XXPXX
+  OB  O
+  X  AX
+  XDXSX
+A: {facing: right, holds: soup}
+B: {facing: up, does: frozen}
+accept: A.serve >= 1
+budget: 4
+why: A holds a soup in front of the serving tile.
+"""
+
+
+PASSES = """
+from overcooked_bench import run_scenarios
+
+items = run_scenarios("greedy", "X01-one-step-to-serve").to_dict()["items"]
+print(len(items), {item["status"] for item in items})
+"""
+
+
+def test_a_scenario_is_one_file(with_file):
+    passed = with_file("overcooked_bench.unit_scenarios", "X01-one-step-to-serve.yaml", SCENARIO, PASSES)
+    assert passed == "4 {'passed'}\n"
+
+
+PLAYS = """
+from overcooked_bench.cli import main
+from overcooked_bench.evaluation.protocol import protocol_names
+
+print("quick" in protocol_names())
+main(["score", "stay", "--protocol", "quick", "--no-scenarios", "--workers", "1", "--output", "out"])
+"""
+
+
+def test_a_protocol_is_one_file(with_file):
+    text = files("overcooked_bench.protocols").joinpath("dev.yaml").read_text("utf-8")
+    for key, value in (("name", "quick"), ("episodes", "1"), ("layouts", "[cramped_room]"), ("horizon", "10")):
+        text = re.sub(rf"(?m)^( *{key}:) [^#\n]+", rf"\1 {value} ", text, count=1)
+    shown, *scored = with_file("overcooked_bench.protocols", "quick.yaml", text, PLAYS).splitlines()
+    assert shown == "True"
+    assert any("protocol quick" in line for line in scored)
+
+
+KINDS = {
+    "layout",
+    "scripted agent",
+    "observation",
+    "training method",
+    "scenario",
+    "protocol",
+    "metric",
+    "pool",
+    "command",
+}
+ROWS = re.findall(
+    r"^\| \[([a-z ]+)\]\(#\S+\) \|.*\| (\S+) \|$", (ROOT / "CONTRIBUTING.md").read_text("utf-8"), re.MULTILINE
+)
+TESTS = {kind: re.fullmatch(r"`(tests/\S+\.py)::(\w+)`", test) for kind, test in ROWS if test != "-"}
+
+
+def test_contributing_has_a_row_for_every_kind():
+    assert sorted(kind for kind, _ in ROWS) == sorted(KINDS)
+
+
+@pytest.mark.parametrize("kind", TESTS)
+def test_the_test_of_a_kind_exists(kind):
+    file, name = TESTS[kind].groups()
+    assert re.search(rf"^def {name}\(", (ROOT / file).read_text("utf-8"), re.MULTILINE)
