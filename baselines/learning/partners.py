@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Sequence, Set
-from pathlib import Path
 
 import numpy as np
 
@@ -11,8 +10,8 @@ from overcooked_bench.agents.catalogue import load_agent
 from overcooked_bench.agents.policies.ensemble import SampledPartners
 from overcooked_bench.agents.policies.neural import NeuralAgent
 from overcooked_bench.agents.policies.policy import Policy, PolicyFiles, load_policy
-from overcooked_bench.agents.pools.manifest import MANIFEST, PoolError
-from overcooked_bench.agents.pools.pool import Pool, shipped_pools
+from overcooked_bench.agents.pools.manifest import PoolError
+from overcooked_bench.agents.pools.pool import Pool, is_pool
 from overcooked_bench.evaluation.games.play import play_episodes
 from overcooked_bench.evaluation.protocol import load_protocol, protocol_names
 from overcooked_bench.kitchen.layout import Layout
@@ -25,7 +24,7 @@ def partner_names(given: Sequence[str], settings: Settings, only_final: bool = F
     """Spells out the partners: a pool's name or folder stands for all its agents on the layout.
 
     Args:
-        given: Pools, and whatever else `load_agent` takes.
+        given: Pools, and whatever else `find` takes.
         settings: The learner's.
         only_final: Leaves out the agents of a pool that were saved on the way.
 
@@ -36,7 +35,7 @@ def partner_names(given: Sequence[str], settings: Settings, only_final: bool = F
     names: list[str] = []
     pools = {name.partition("/")[0] for name in given}
     for name in given:
-        if name not in shipped_pools() and not (Path(name) / MANIFEST).is_file():
+        if not is_pool(name):
             names.append(name)
             continue
         pool = Pool.load(name)

@@ -4,8 +4,9 @@ Axes: B = simultaneous episodes (rows).
 """
 
 import operator
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -70,6 +71,13 @@ class Agent(Protocol):
             (B,) whole numbers: 0 north, 1 south, 2 east, 3 west, 4 stay, 5 interact.
         """
         ...
+
+
+Reference = str | Path | Mapping[str, Any]
+"""What names an agent, see `catalogue.find`: a name, a path, or a behaviour mapping such as `{"does": "carry"}`."""
+
+AgentFactory = Callable[[str, int], Agent]
+"""`make_agent(layout, training_seed)`, as submissions define it."""
 
 
 def one_game_at_a_time(factory: Callable[[], Any], observation: str | None = None) -> Agent:

@@ -1,34 +1,30 @@
-"""From names and files to agents."""
+"""From names, files and behaviours to agents: the only place that looks an agent up."""
 
-import difflib
-from pathlib import Path
-from typing import TYPE_CHECKING, Final
+import os
+from functools import lru_cache
+from typing import TYPE_CHECKING
 
-from overcooked_bench.agents.agent import Agent, UnknownLayout
-from overcooked_bench.agents.pools.manifest import MANIFEST, read_manifest
-from overcooked_bench.agents.pools.pool import Pool, find_pool, shipped_pools
-from overcooked_bench.agents.scripted import SCRIPTED, make_scripted
+from overcooked_bench.agents.agent import Agent, Reference
+from overcooked_bench.agents.kinds import KINDS, SCRIPT, Entrant
+from overcooked_bench.agents.pools.manifest import read_manifest
+from overcooked_bench.agents.pools.pool import Pool, find_pool, is_pool, shipped_pools
+from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.agents.submissions.checks import AgentError
-from overcooked_bench.agents.submissions.loading import ENTRY, load_submission
+from overcooked_bench.agents.submissions.loading import ENTRY
+from overcooked_bench.shelf import guess
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.policies.neural import Mode
-    from overcooked_bench.agents.policies.policy import Policy
-
-SCRIPT: Final = "script:"
-"""What the name of a scenario's partner begins with; its behaviour follows, as scenarios write it (`parsing.py`)."""
-
-_POLICY_SUFFIXES = (".safetensors", ".json")
 
 
 def catalogue() -> list[str]:
-    """Lists the names that `load_agent` knows: scripted agents, then `pool/layout/agent` of the shipped pools.
+    """Lists the names that `find` knows: scripted agents, scripts, then `pool/layout/agent` of the shipped pools.
 
-    Of the partners of scenarios, those that need to be told nothing: more can be named, see `load_agent`.
+    Of the scripts, those that need no further keys; see `find` for the others.
     """
-    from overcooked_bench.agents.behaviours.parsing import KINDS
+    from overcooked_bench.agents.behaviours.parsing import KINDS as BEHAVIOURS
 
-    scripts = [SCRIPT + name for name, kind in KINDS.items() if not kind.needs]
+    scripts = [SCRIPT + name for name, kind in BEHAVIOURS.items() if not kind.needs]
     frozen = []
     for name in shipped_pools():
         pool = Pool(find_pool(name), read_manifest(find_pool(name)))
@@ -36,71 +32,77 @@ def catalogue() -> list[str]:
     return [*SCRIPTED, *scripts, *frozen]
 
 
-def load_agent(name_or_path: str | Path, layout: str, training_seed: int = 0, mode: "Mode" = "sample") -> Agent:
-    """Gives an agent for one layout.
+def find(reference: Reference, *, mode: "Mode" = "sample") -> Entrant:
+    """Finds an agent and says what it is, without playing it. A submission's code is executed once.
 
     Args:
-        name_or_path: A name of `catalogue()`; `script:` and a behaviour as scenarios write it, such as
-            `script:{does: carry, insist: true}`; `pool/layout/agent` where pool is a folder; a policy's `.safetensors`
-            or `.json` file; or a submission: a Python file, or a folder with `agent.py`.
-        layout: The layout's name, for a custom grid its text.
-        training_seed: Which of a submission's independent training runs; others have one, whatever is given.
-        mode: Of frozen policies: "sample" draws from their distribution, "greedy" takes the likeliest action.
+        reference: A name of `catalogue()`; `script:` and a behaviour as scenarios write it, such as
+            `script:{does: carry, insist: true}`, or that mapping itself, as text or as a Python mapping;
+            `pool/layout/agent` where pool is a shipped name or a folder, and `pool/{layout}/agent` for another agent on
+            each layout; a policy's `.safetensors` or `.json` file; a submission: a Python file, or a folder with
+            `agent.py`; `file.py:function` where another function than `make_agent` makes the agents.
+        mode: How frozen policies act: "sample" draws from their distribution, "greedy" takes the likeliest action.
 
     Raises:
-        UnknownLayout: The agent cannot play the layout; frozen ones play the one they were trained on.
-        AgentError: No such name or file (says the nearest names), or a submission's code is at fault.
+        AgentError: No such name or file (names the nearest), or a submission's code is at fault.
         PoolError: The pool is damaged, or has no such agent.
         PolicyError: The policy's files are broken.
     """
-    name, path = str(name_or_path), Path(name_or_path)
-    if name in SCRIPTED:
-        return make_scripted(name, layout)
-    if name.startswith(SCRIPT):
-        return _script(name)
-    if path.suffix == ".py" or (path / ENTRY).is_file():
-        return load_submission(path).make_agent(layout, training_seed)
-    if path.suffix in _POLICY_SUFFIXES:
-        from overcooked_bench.agents.policies.policy import load_policy
-
-        return _frozen(load_policy(path), name, layout, mode)
-    parts = name.rsplit("/", 2)
-    if len(parts) == 3 and (parts[0] in shipped_pools() or (Path(parts[0]) / MANIFEST).is_file()):
-        folder = find_pool(parts[0])
-        policy = Pool(folder, read_manifest(folder)).policy(parts[1], parts[2])  # verifies this agent's files alone
-        return _frozen(policy, name, layout, mode)
-    raise AgentError(_unknown(name, path))
+    for kind in KINDS.values():
+        if kind.fits(reference):
+            return kind.find(reference, mode)
+    raise AgentError(_unknown(str(reference)))
 
 
-def _script(name: str) -> Agent:
-    from overcooked_bench.agents.behaviours.behaviour import ScriptAgent
-    from overcooked_bench.agents.behaviours.parsing import behaviour_from_text
+@lru_cache(maxsize=1)
+def find_unchanged(reference: str, sha256: str, mode: "Mode") -> Entrant:
+    """Finds an agent that was found before, once per process, and makes sure that it is still the same.
 
-    try:
-        return ScriptAgent(behaviour_from_text(name.removeprefix(SCRIPT)))
-    except ValueError as error:
-        raise AgentError(f"{name}: {error}") from None
+    Args:
+        reference: `Entrant.reference`.
+        sha256: `Entrant.sha256`.
+        mode: As for `find`.
+
+    Raises:
+        AgentError: It was changed since then.
+    """
+    found = find(reference, mode=mode)
+    if found.sha256 != sha256:
+        raise AgentError(
+            f"{reference}: changed while it was being played (SHA-256 {sha256[:12]}… when that began, "
+            f"{found.sha256[:12]}… now); run it again, with another --output where some blocks are finished"
+        )
+    return found
 
 
-def _frozen(policy: "Policy", name: str, layout: str, mode: "Mode") -> Agent:
-    trained_on = policy.architecture.layout
-    if layout != trained_on:
-        raise UnknownLayout(f"{name} was trained on {trained_on!r} and cannot play {layout!r}")
-    from overcooked_bench.agents.policies.neural import NeuralAgent
+def load_agent(reference: Reference, layout: str, training_seed: int = 0, mode: "Mode" = "sample") -> Agent:
+    """Loads an agent for one layout.
 
-    return NeuralAgent(policy, mode)
+    Args:
+        reference: What `find` takes: a name, a path, or a behaviour mapping.
+        layout: The layout's name, for a custom grid its text.
+        training_seed: Which of a submission's independent training runs; other agents have one, whatever is given.
+        mode: How frozen policies act: "sample" draws from their distribution, "greedy" takes the likeliest action.
+
+    Raises:
+        UnknownLayout: The agent cannot play the layout; frozen ones play the one they were trained on.
+        AgentError: No such name or file (names the nearest), or a submission's code is at fault.
+        PoolError: The pool is damaged, or has no such agent.
+        PolicyError: The policy's files are broken.
+    """
+    return find(reference, mode=mode).make(layout, training_seed)
 
 
-def _unknown(name: str, path: Path) -> str:
-    if (path / MANIFEST).is_file() or name in shipped_pools():
+def _unknown(name: str) -> str:
+    if is_pool(name):
         return f"{name} is a pool, not an agent; name one of its agents: {name}/<layout>/<agent>"
-    if path.is_dir():
-        return f"{path}: no {ENTRY} in this folder; a submission is a Python file, or a folder with {ENTRY}"
-    names = catalogue()
-    near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
-    hint = f"did you mean {' or '.join(map(repr, near))}? " if near else ""
+    if os.path.isdir(name):
+        return f"{name}: no {ENTRY} in this folder; a submission is a Python file, or a folder with {ENTRY}"
+    parts = name.rsplit("/", 2)
+    if len(parts) == 3 and (near := guess(parts[0], shipped_pools(), cutoff=0.7)):
+        return f"no agent named {name!r}, and no pool {parts[0]!r}; {near}`overcooked-bench list` shows all agents"
     return (
-        f"no agent named {name!r}, and no such file; {hint}Known are {', '.join(SCRIPTED)}, scripts (script:carry), "
-        "the frozen agents (pool/layout/agent; `overcooked-bench list` shows them all), a .py file, or a folder with "
-        "agent.py"
+        f"no agent named {name!r}, and no such file; {guess(name, catalogue(), most=3, cutoff=0.5)}Known are "
+        f"{', '.join(SCRIPTED)}; an agent is also written as {', '.join(kind.written for kind in KINDS.values())}; "
+        "`overcooked-bench list` shows all names"
     )

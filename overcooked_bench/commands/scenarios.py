@@ -65,12 +65,12 @@ def _run(options: argparse.Namespace) -> int:
     import json
     from pathlib import Path
 
-    from overcooked_bench.scenarios.entrants import agent_factory
+    from overcooked_bench.agents.catalogue import find
     from overcooked_bench.scenarios.results import SuiteResult
     from overcooked_bench.scenarios.runner import run_items
 
     chosen = _items(options)
-    make_agent = agent_factory(options.agent, options.mode)
+    make_agent = find(options.agent, mode=options.mode).make
     settings = {"training_seed": options.training_seed, "warmup": options.warmup}
     if options.repeat is not None:
         return _run_once(options, chosen, make_agent)
@@ -156,13 +156,13 @@ def _add_compare(commands: Any) -> None:
 def _compare(options: argparse.Namespace) -> int:
     import json
 
-    from overcooked_bench.scenarios.entrants import agent_factory
+    from overcooked_bench.agents.catalogue import find
     from overcooked_bench.scenarios.items import load_items
     from overcooked_bench.scenarios.runner import run_items
     from overcooked_bench.scenarios.shown.comparing import agents_table
 
     chosen, played = load_items(options.select), {}
-    makers = {agent: agent_factory(agent, options.mode) for agent in options.agents}
+    makers = {agent: find(agent, mode=options.mode).make for agent in options.agents}
     with ProgressBar("compiling and loading") as tell:
         for agent, make_agent in makers.items():
             results = run_items(make_agent, chosen, options.repeats, on_progress=partial(tell, agent))

@@ -4,12 +4,12 @@ import json
 from collections.abc import Callable, Sequence
 from functools import partial
 from hashlib import sha256
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from overcooked_bench.evaluation.scores import CategoryScore, Estimate, ScenarioScore, Source
 
 if TYPE_CHECKING:
+    from overcooked_bench.agents.agent import Reference
     from overcooked_bench.evaluation.score import Scored
     from overcooked_bench.scenarios.items import Item
     from overcooked_bench.scenarios.results import SuiteResult, Tally
@@ -19,7 +19,7 @@ TOTAL: Final = "total"
 
 
 def play_scenarios(
-    agent: str | Path,
+    agent: "Reference",
     scored: "Scored",
     layouts: Sequence[str] | None = None,
     on_progress: Callable[[str, int, int], None] = lambda *_: None,
@@ -39,7 +39,7 @@ def play_scenarios(
         ScenarioFault: The agent broke the contract.
         AgentError: The agent has been changed since.
     """
-    from overcooked_bench.evaluation.entrant import agent_maker, identify
+    from overcooked_bench.agents.catalogue import find, find_unchanged
     from overcooked_bench.scenarios.items import load_items
     from overcooked_bench.scenarios.results import SuiteResult
     from overcooked_bench.scenarios.runner import REPEATS, run_items
@@ -48,7 +48,7 @@ def play_scenarios(
     chosen = [item for item in load_items() if layouts is None or item.scenarios[0].layout.name in layouts]
     if not chosen:
         return None
-    make_agent = agent_maker(identify(agent).reference, scores.agent.sha256, mode)
+    make_agent = find_unchanged(find(agent, mode=mode).reference, scores.agent.sha256, mode).make
     results = []
     for seed in range(scores.training_seeds):
         named = f"scenarios, training seed {seed}" if scores.training_seeds > 1 else "scenarios"

@@ -3,14 +3,14 @@
 Axes: N kitchens.
 """
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.agents.agent import Agent
+from overcooked_bench.agents.agent import Agent, Reference
 from overcooked_bench.agents.policies.ensemble import JoinedAgents
 from overcooked_bench.agents.policies.neural import NeuralAgent
 from overcooked_bench.envs.seatmate import STATE, Seatmate, find_partner
@@ -25,7 +25,7 @@ class Partners:
     plays as its own agent would, up to rounding. What partners see is observed once for all that see the same.
 
     Args:
-        partners: Catalogue names, paths or agents.
+        partners: References as `find` takes them, or agents.
         layout: Where they play.
         num_kitchens: N, at least as many as partners.
 
@@ -37,14 +37,13 @@ class Partners:
         ValueError: No partner, or more partners than kitchens.
     """
 
-    def __init__(self, partners: Sequence[str | Path | Agent], layout: Layout, num_kitchens: int) -> None:
-        if isinstance(partners, str | Path) or not partners:
+    def __init__(self, partners: Sequence[Reference | Agent], layout: Layout, num_kitchens: int) -> None:
+        if isinstance(partners, str | Path | Mapping) or not partners:
             raise ValueError(f"partners={partners!r}; give a list with at least one partner, such as ['greedy']")
         if len(partners) > num_kitchens:
             raise ValueError(f"{len(partners)} partners for {num_kitchens} kitchens; each needs at least one kitchen")
-        if len({id(partner) for partner in partners if not isinstance(partner, str | Path)}) != sum(
-            not isinstance(partner, str | Path) for partner in partners
-        ):
+        objects = [partner for partner in partners if not isinstance(partner, str | Path | Mapping)]
+        if len({id(partner) for partner in objects}) != len(objects):
             raise ValueError("one agent object stands in the list twice; give each group of kitchens its own")
         self.given = tuple(partners)
         shares = np.array_split(np.arange(num_kitchens), len(partners))

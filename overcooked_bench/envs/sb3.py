@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
-from overcooked_bench.agents.agent import Agent
+from overcooked_bench.agents.agent import Agent, Reference
 from overcooked_bench.envs.episode_log import EpisodeLog, generator_state, set_generator_state
 from overcooked_bench.envs.event_rewards import event_weights
 from overcooked_bench.envs.frames import frame
@@ -36,7 +36,7 @@ class OvercookedVecEnv(VecEnv):
     Args:
         layout: A shipped name, a grid's text, the path of a `.layout` file, or a Layout.
         num_envs: N.
-        partners: Catalogue names, paths or agents, spread evenly over the kitchens in neighbouring groups.
+        partners: What `load_agent` takes, or agents; spread evenly over the kitchens in neighbouring groups.
         self_play: Both seats are rows; `partners` and `seat` have no part then.
         seat: 0, 1, or "random", drawn for each kitchen and episode.
         observation: A name of `Kitchens.observe`.
@@ -60,7 +60,7 @@ class OvercookedVecEnv(VecEnv):
         layout: str | Path | Layout,
         num_envs: int,
         *,
-        partners: Sequence[str | Path | Agent] = ("stay",),
+        partners: Sequence[Reference | Agent] = ("stay",),
         self_play: bool = False,
         seat: str | int = RANDOM_SEAT,
         observation: str = "lossless",
@@ -114,11 +114,11 @@ class OvercookedVecEnv(VecEnv):
         self._event_share = float(share)
 
     @property
-    def partners(self) -> tuple[str | Path | Agent, ...]:
+    def partners(self) -> tuple[Reference | Agent, ...]:
         """Who plays the running episode, as given; nobody in self-play."""
         return self._partners.given if self._partners else ()
 
-    def set_partners(self, partners: Sequence[str | Path | Agent]) -> None:
+    def set_partners(self, partners: Sequence[Reference | Agent]) -> None:
         """Changes the partners from the next episode on; the running one is played to its end with the old ones.
 
         Raises:

@@ -3,13 +3,14 @@
 Axes: N kitchens.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.agents.agent import Agent
+from overcooked_bench.agents.agent import Agent, Reference
 from overcooked_bench.kitchen.codes import STAY
 from overcooked_bench.kitchen.kitchens import OBSERVATIONS, Kitchens
 from overcooked_bench.kitchen.layout import Layout
@@ -104,7 +105,7 @@ class Seatmate:
             kitchens.observation_shape(self.observation)
 
 
-def seatmate(partner: str | Path | Agent, layout: Layout) -> Seatmate | None:
+def seatmate(partner: Reference | Agent, layout: Layout) -> Seatmate | None:
     """Gives the partner, or None for "stay", which needs no asking: its action is always `STAY_ACTION`."""
     return None if isinstance(partner, str) and partner == "stay" else Seatmate(*find_partner(partner, layout))
 
@@ -134,13 +135,16 @@ def needed_layout(layout: str | Path | Layout | None) -> Layout:
     return Layout.load(layout)
 
 
-def find_partner(partner: str | Path | Agent, layout: Layout) -> tuple[Agent, str]:
-    """Gives a partner, a catalogue name, the path of a submission or an Agent, as an agent, and what to call it.
+def find_partner(partner: Reference | Agent, layout: Layout) -> tuple[Agent, str]:
+    """Finds a partner: what `find` takes, or an Agent.
+
+    Returns:
+        The agent, and what to call it.
 
     Raises:
         TypeError: It is no agent.
     """
-    if isinstance(partner, str | Path):
+    if isinstance(partner, str | Path | Mapping):
         from overcooked_bench.agents.catalogue import load_agent
 
         return load_agent(partner, layout.name), repr(str(partner))

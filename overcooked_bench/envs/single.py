@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from overcooked_bench.agents.agent import Agent
+from overcooked_bench.agents.agent import Agent, Reference
 from overcooked_bench.envs.frames import RENDER_FPS, RENDER_MODES, checked_mode, frame
 from overcooked_bench.envs.seatmate import LARGEST_DRAW, RANDOM_SEAT, STAY_ACTION, checked_seat, needed_layout, seatmate
 from overcooked_bench.envs.spaces import action_space, history_for, observation_space
@@ -87,7 +87,7 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
     Args:
         layout: A shipped name, a grid's text, the path of a `.layout` file, or a Layout. The ids of shipped layouts set
             it; `Overcooked/Custom-v0` needs it.
-        partner: A catalogue name such as "stay" or "greedy", the path of a submission, or an Agent.
+        partner: What `load_agent` takes, such as "greedy", a submission's path or `{"does": "carry"}`; or an Agent.
         seat: The ego agent's, 0 or 1, or "random" for one drawn for each episode.
         observation: See above.
         cooking: "auto" (a pot starts by itself at the third ingredient) or "manual" (an empty-handed interact starts
@@ -118,7 +118,7 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
         self,
         layout: str | Path | Layout | None = None,
         *,
-        partner: str | Path | Agent = "stay",
+        partner: Reference | Agent = "stay",
         seat: str | int = RANDOM_SEAT,
         observation: str = "lossless",
         cooking: str = "auto",

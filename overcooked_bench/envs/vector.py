@@ -14,7 +14,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
-from overcooked_bench.agents.agent import Agent
+from overcooked_bench.agents.agent import Agent, Reference
 from overcooked_bench.envs.frames import RENDER_FPS, RENDER_MODES, checked_mode, frame
 from overcooked_bench.envs.seatmate import LARGEST_DRAW, RANDOM_SEAT, STAY_ACTION, checked_seat, needed_layout, seatmate
 from overcooked_bench.envs.spaces import action_space, history_for, observation_space
@@ -66,7 +66,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
         num_envs: int = 1,
         *,
         max_episode_steps: int | None = None,
-        partner: str | Path | Agent = "stay",
+        partner: Reference | Agent = "stay",
         seat: str | int = RANDOM_SEAT,
         observation: str = "lossless",
         cooking: str = "auto",

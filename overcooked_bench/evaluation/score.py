@@ -11,9 +11,11 @@ from typing import Any, Final, NamedTuple
 
 import msgspec
 
+from overcooked_bench.agents.agent import Reference
+from overcooked_bench.agents.catalogue import find
+from overcooked_bench.agents.kinds import Entrant
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.errors import AgentFault
-from overcooked_bench.evaluation.entrant import Entrant, identify
 from overcooked_bench.evaluation.games.block import Block, play_block
 from overcooked_bench.evaluation.games.engines import map_tasks
 from overcooked_bench.evaluation.games.replayed import check_returns
@@ -67,7 +69,7 @@ class Progress(NamedTuple):
 
 
 def score(
-    agent: str | Path,
+    agent: Reference,
     protocol: str | Path | Protocol = NEWEST,
     pool: str | Path | None = None,
     layouts: Sequence[str] | None = None,
@@ -83,7 +85,7 @@ def score(
     workers and any engine, and after any interruption.
 
     Args:
-        agent: A catalogue name, `pool/layout/agent`, or the path of a submission.
+        agent: What `find` takes: a name, the path of a submission or of a policy, or a behaviour mapping.
         protocol: A shipped name, a file, or a Protocol.
         pool: Name or folder of other trained partners than the protocol's.
         layouts: Some of the protocol's layouts; all by default.
@@ -103,7 +105,7 @@ def score(
     """
     started, clock = datetime.now(UTC), time.monotonic()
     rules = protocol if isinstance(protocol, Protocol) else load_protocol(protocol)
-    entrant = identify(agent)
+    entrant = find(agent, mode=rules.mode)
     source = pool or rules.pool
     partners = Pool.load(source) if source else None
     chosen, skipped = _choose(rules, layouts, entrant)

@@ -4,17 +4,17 @@ import hashlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from math import ceil
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.agents.agent import GameError, UnknownLayout
+from overcooked_bench.agents.agent import AgentFactory, GameError, Reference, UnknownLayout
+from overcooked_bench.agents.catalogue import find
+from overcooked_bench.agents.mirror import mirrored
 from overcooked_bench.agents.submissions.checks import AgentError, check_actions, check_agent
 from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.kitchen.kitchens import HISTORY, STACKED
-from overcooked_bench.scenarios.entrants import AgentFactory, agent_factory, ways
 from overcooked_bench.scenarios.errors import ScenarioFault
 from overcooked_bench.scenarios.items import Item, Select, load_items
 from overcooked_bench.scenarios.judge import Run, replay
@@ -39,7 +39,7 @@ _Group = tuple[str, str, bool]  # layout, cooking, mirrored
 
 
 def run_scenarios(
-    agent: str | Path | AgentFactory,
+    agent: Reference | AgentFactory,
     select: Select = None,
     repeats: int = REPEATS,
     mode: "Mode" = "sample",
@@ -52,8 +52,8 @@ def run_scenarios(
     """Plays an agent through scenarios and says which it passes.
 
     Args:
-        agent: What `load_agent` takes: a name, a policy's file, a submission; a name such as `dev-v0/{layout}/sp-0`;
-            or a function `make_agent(layout, training_seed)`.
+        agent: What `find` takes: a name, a path, or a behaviour mapping; or a function
+            `make_agent(layout, training_seed)`.
         select: Which items; all that ship by default. An id or its beginning (`"C04"`), a category, a family, a tag, a
             pattern with `*`, the path of a file or a folder; or a list of such.
         repeats: Runs of each situation, for agents that are not deterministic.
@@ -78,13 +78,13 @@ def run_scenarios(
     """
     chosen = load_items(select)
     results = run_items(
-        agent_factory(agent, mode),
+        agent if callable(agent) else find(agent, mode=mode).make,
         *(chosen, repeats),
         training_seed=training_seed,
         warmup=warmup,
         sequential=sequential,
     )
-    called = name or str(agent if isinstance(agent, str | Path) else getattr(agent, "__name__", agent))
+    called = name or str(getattr(agent, "__name__", agent))
     return SuiteResult(called, mode, repeats, training_seed, warmup, sequential, tuple(results))
 
 
@@ -151,7 +151,7 @@ def play_once(
     """
     part, unknown = Part(situation, budget_of(situation.scenario)), []
     seeds = np.array([scenario_seed(situation.scenario.id, repeat)], np.uint64)
-    for make, _ in ways(make_agent, situation, training_seed):
+    for make, _ in _ways(make_agent, situation, training_seed):
         try:
             agent = make()
             check_agent(agent, f"make_agent({situation.layout.name!r}, {training_seed})")
@@ -237,7 +237,7 @@ def _play_group(
     parts.sort(key=lambda part: part.length)
     layout = situations[0].layout
     reason = ""
-    for make, adapted in ways(make_agent, situations[0], training_seed):
+    for make, adapted in _ways(make_agent, situations[0], training_seed):
         try:
             agent = make()
             check_agent(agent, f"make_agent({layout.name!r}, {training_seed})")
@@ -297,6 +297,20 @@ def _play(agent: "Agent", played: Sequence[_Played], repeats: range, warmup: int
             one.failure = Failure(one.part.situation, one.part.budget, repeats[k], int(seeds[rows][k]), joint)
         one.passed += passed
     return alike
+
+
+def _ways(make_agent: AgentFactory, situation: Situation, seed: int) -> "Iterator[tuple[Callable[[], Agent], bool]]":
+    """Lists how an agent may come to play a kitchen, and whether it is adapted then.
+
+    Args:
+        make_agent: Makes it.
+        situation: Of the kitchen.
+        seed: The training seed.
+    """
+    layout = situation.layout
+    yield lambda: make_agent(layout.name, seed), False
+    if situation.mirrored:
+        yield lambda: mirrored(make_agent(layout.mirrored().name, seed)), True
 
 
 def _perform(agent: "Agent", parts: Sequence[Part], seeds: NDArray[np.uint64], repeats: int, warmup: int) -> Stage:

@@ -3,7 +3,7 @@ import pytest
 
 from overcooked_bench import Chef, Kitchens, KitchenState, Layout, Soup
 from overcooked_bench.agents.planner.tables import targets
-from overcooked_bench.agents.scripted import SCRIPTED, make_scripted
+from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.kitchen.codes import RECIPES
 
 CLASSIC = ("cramped_room", "asymmetric_advantages", "coordination_ring", "forced_coordination", "counter_circuit")
@@ -19,7 +19,7 @@ def play(layout, names, episodes=6, cooking="auto", seed=0, steps=400, states=No
     kitchens.reset(seed)
     for i, state in enumerate(states or ()):
         kitchens.set_state(i, state)
-    agents = [make_scripted(name, layout) for name in names]
+    agents = [SCRIPTED[name].factory(layout) for name in names]
     for seat, agent in enumerate(agents):
         seeds = np.arange(episodes, dtype=np.uint64) * np.uint64(2) + np.uint64(seat)
         agent.reset(kitchens.layout.name, np.full(episodes, seat), seeds)
@@ -85,7 +85,7 @@ def test_greedy_cooks_with_one_who_hinders_and_with_a_courier(layout):
 def test_couriers_do_half_the_work_only(name):
     kitchens = Kitchens("cramped_room", 4, events=True)
     kitchens.reset(0)
-    agents = [make_scripted(name, "cramped_room") for _ in range(2)]
+    agents = [SCRIPTED[name].factory("cramped_room") for _ in range(2)]
     for seat, agent in enumerate(agents):
         agent.reset("cramped_room", np.full(4, seat), np.arange(4, dtype=np.uint64))
     held = set()
@@ -160,7 +160,7 @@ def test_a_row_plays_the_same_in_every_batch(name):
     seats = np.array([0, 1, 0, 1, 1])
     kitchens = Kitchens("coordination_ring", 5, object_probability=0.5)
     kitchens.reset(3)
-    together, alone = make_scripted(name, "coordination_ring"), make_scripted(name, "coordination_ring")
+    together, alone = SCRIPTED[name].factory("coordination_ring"), SCRIPTED[name].factory("coordination_ring")
     together.reset("coordination_ring", seats, seeds)
     alone.reset("coordination_ring", seats[3:4], seeds[3:4])
     rows = np.arange(5)
@@ -179,15 +179,13 @@ def test_a_second_game_is_played_like_the_first():
 
 
 def test_a_planner_goes_on_in_the_layout_that_reset_names():
-    agent = make_scripted("greedy", "cramped_room")
+    agent = SCRIPTED["greedy"].factory("cramped_room")
     agent.reset("counter_circuit-mirrored", np.zeros(1, int), np.zeros(1, np.uint64))
     assert agent.act(Kitchens("counter_circuit-mirrored", 1).observe("lossless26")[:, 0]).shape == (1,)
 
 
 def test_wrong_use_is_explained():
-    with pytest.raises(ValueError, match="no scripted agent named 'greedi'"):
-        make_scripted("greedi", "cramped_room")
-    agent = make_scripted("greedy", "cramped_room")
+    agent = SCRIPTED["greedy"].factory("cramped_room")
     agent.reset("cramped_room", np.zeros(2, int), np.zeros(2, np.uint64))
     with pytest.raises(ValueError, match=r"\(3, 26, 4, 5\)"):
         agent.act(np.zeros((3, 26, 4, 5), np.uint8))

@@ -1,7 +1,7 @@
 """Small protocols, submissions and stores for the tests of evaluation."""
 
+from overcooked_bench.agents.catalogue import find
 from overcooked_bench.agents.pools.pool import Pool
-from overcooked_bench.evaluation.entrant import identify
 from overcooked_bench.evaluation.games.block import Block
 
 SETTINGS = {
@@ -30,7 +30,7 @@ def protocol_text(**changes):
 
 
 def block(protocol, agent="greedy", layout="cramped_room", pool=None, seed=0, training_seed=0, episode=0):
-    agent_sha256, pool_sha256 = identify(agent).sha256, pool and Pool.load(pool).hash
+    agent_sha256, pool_sha256 = find(agent).sha256, pool and Pool.load(pool).hash
     return Block(
         str(agent), agent_sha256, protocol, pool and str(pool), pool_sha256, seed, layout, training_seed, episode
     )

@@ -5,9 +5,9 @@ import pytest
 
 from overcooked_bench import UnknownLayout, run_scenarios
 from overcooked_bench.agents import one_game_at_a_time, sample_actions
+from overcooked_bench.agents.catalogue import find
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
-from overcooked_bench.scenarios.entrants import agent_factory
 from overcooked_bench.scenarios.errors import ScenarioFault
 from overcooked_bench.scenarios.items import items
 from overcooked_bench.scenarios.runner import play_once, run_items, scenario_seed
@@ -236,7 +236,7 @@ def test_shipped_frozen_agents_play_by_layout():
     own = run_scenarios("dev-v0/cramped_room/sp-0", ["S01", "P09"], repeats=20, mode="greedy")
     assert [r.status == "not attempted" for r in own.items] == [True] * 4 + [False] * 4
     assert [(r.adapted, r.deterministic) for r in own.items[4:]] == [(False, True), (True, True)] * 2
-    every = agent_factory("dev-v0/{layout}/sp-0", "greedy")
+    every = find("dev-v0/{layout}/sp-0", mode="greedy").make
     room, grid = four(), items([scenario(POT.replace("cramped_room", "|\n  XXPXX\n  O   O\n  X   X\n  XDXSX"))])
     assert "not attempted" not in {r.status for r in run_items(every, room, 2)}
     assert {r.status for r in run_items(every, grid, 2)} == {"not attempted"}
@@ -259,6 +259,6 @@ def test_a_function_of_a_file_is_named_after_a_colon(tmp_path):
     file.write_text(
         "from tests.scenarios.players import Player\ndef cook(layout, training_seed):\n    return Player()\n"
     )
-    assert isinstance(agent_factory(f"{file}:cook")("cramped_room", 0), Player)
+    assert isinstance(find(f"{file}:cook").make("cramped_room", 0), Player)
     with pytest.raises(AgentError, match="defines no waiter"):
-        agent_factory(f"{file}:waiter")
+        find(f"{file}:waiter")

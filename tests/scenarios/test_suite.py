@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from overcooked_bench.agents.scripted import make_scripted
+from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.scenarios.items import load_items, load_scenarios, shipped_folder
 from overcooked_bench.scenarios.runner import run_items
 from overcooked_bench.scenarios.solving.gates import MEAN_RANDOM, check_all
@@ -49,7 +49,7 @@ def test_the_lock_file_knows_them_all():
 
 @pytest.mark.slow
 def test_random_play_passes_little():
-    results = run_items(lambda layout, _: make_scripted("random", layout), load_items(), 30)
+    results = run_items(lambda layout, _: SCRIPTED["random"].factory(layout), load_items(), 30)
     assert sum(result.passes / result.runs for result in results) / len(results) <= MEAN_RANDOM
 
 

@@ -5,6 +5,7 @@ Neither torch nor numba is needed to read it, only to play it.
 """
 
 import difflib
+import os
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
@@ -148,6 +149,11 @@ def shipped_pools() -> tuple[str, ...]:
         if shelf.is_dir()
         else ()
     )
+
+
+def is_pool(name_or_folder: str | Path) -> bool:
+    """Tells whether this is a shipped pool's name, or a folder with a manifest."""
+    return str(name_or_folder) in shipped_pools() or os.path.isfile(Path(name_or_folder) / MANIFEST)
 
 
 def find_pool(name_or_folder: str | Path) -> Path:

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import Agent, UnknownLayout
+from overcooked_bench.agents.catalogue import find_unchanged
 from overcooked_bench.agents.mirror import mirrored
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.agents.threads import one_thread
-from overcooked_bench.evaluation.entrant import agent_maker
 from overcooked_bench.evaluation.games.episode import Episode, pack_actions, pack_state, side_of
 from overcooked_bench.evaluation.games.play import Games, Party, PlayFault, make_kitchens, play
 from overcooked_bench.evaluation.games.roster import Partner, pool_as_hashed, roster, seat_partners
@@ -83,7 +83,7 @@ def play_block(block: Block) -> Outcome:
     partners = roster(block.protocol, pool_as_hashed(block.pool, block.pool_sha256), block.layout)
     who, seats = _deal(block, partners)
     with one_thread():
-        make = agent_maker(block.agent, block.agent_sha256, block.protocol.mode)
+        make = find_unchanged(block.agent, block.agent_sha256, block.protocol.mode).make
         try:
             try:
                 games, adapted = _play(block, make, partners, who, seats, adapted=False), False

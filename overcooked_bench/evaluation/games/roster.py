@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from overcooked_bench.agents.catalogue import find, load_agent
 from overcooked_bench.agents.pools.pool import Pool, PoolError
-from overcooked_bench.evaluation.entrant import scripted_hash
 from overcooked_bench.evaluation.games.play import Party
 from overcooked_bench.evaluation.protocol import Protocol, ProtocolError
 from overcooked_bench.kitchen.layout import MIRRORED
@@ -90,8 +90,8 @@ def roster(protocol: Protocol, pool: Pool | None, layout: str) -> tuple[Partner,
         Partner(agent.name, agent.files.weights.sha256, TRAINED)
         for agent in (pool.agents(_plain(layout)) if pool else ())
     ]
-    scripted = [Partner(name, scripted_hash(name), SCRIPTED) for name in protocol.partners]
-    floors = [Partner(name, scripted_hash(name), FLOOR) for name in protocol.floors]
+    scripted = [Partner(name, find(name).sha256, SCRIPTED) for name in protocol.partners]
+    floors = [Partner(name, find(name).sha256, FLOOR) for name in protocol.floors]
     partners = sorted(trained + scripted + floors, key=lambda partner: partner.name)
     for partner, following in pairwise(partners):
         if partner.name == following.name:
@@ -144,8 +144,6 @@ def seat_partners(
 @lru_cache(maxsize=64)
 def _scripted(name: str, layout: str) -> "Agent":
     """Makes a scripted partner once a process: a reset is all that it needs, and its paths are long to find."""
-    from overcooked_bench.agents.catalogue import load_agent
-
     return load_agent(name, layout)
 
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 
-from overcooked_bench.agents.agent import UnknownLayout
+from overcooked_bench.agents.agent import AgentFactory, UnknownLayout
+from overcooked_bench.agents.catalogue import find
 from overcooked_bench.errors import OvercookedBenchError
-from overcooked_bench.scenarios.entrants import AgentFactory, agent_factory
 from overcooked_bench.scenarios.errors import ScenarioError
 from overcooked_bench.scenarios.items import Item
 from overcooked_bench.scenarios.results import ItemResult
@@ -116,7 +116,7 @@ def open_bench(config: pytest.Config) -> Bench:
     if option.ocb_fuzz is not None:
         _check_fuzz(option.ocb_fuzz)
     try:
-        make_agent = agent_factory(option.ocb_agent, option.ocb_mode)
+        make_agent = find(option.ocb_agent, mode=option.ocb_mode).make
         if not hasattr(config, "workerinput"):
             _try(make_agent, option.ocb_agent_training_seed)
         known = _read_known(option.ocb_known_failures) if option.ocb_known_failures else {}

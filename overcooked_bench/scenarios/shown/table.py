@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from itertools import groupby
 from typing import Final
 
+from overcooked_bench.agents.catalogue import find
 from overcooked_bench.scenarios import CATEGORIES
-from overcooked_bench.scenarios.entrants import agent_factory
 from overcooked_bench.scenarios.items import load_items, load_scenarios
 from overcooked_bench.scenarios.runner import REPEATS, run_items
 from overcooked_bench.scenarios.solving.gates import MEAN_RANDOM, MOST_RANDOM, PLAYERS, GateReport, check_all
@@ -74,7 +74,7 @@ def shipped_tables(agents: Sequence[str] = ()) -> list[str]:
     Args:
         agents: Names of further agents for the second one.
     """
-    makers = {**PLAYERS, **{name: agent_factory(name) for name in agents}}
+    makers = {**PLAYERS, **{name: find(name).make for name in agents}}
     chosen = load_items()
     verdicts = {
         name: {result.item.id: result.passed for result in run_items(make, chosen, REPEATS)}

@@ -4,10 +4,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
+from overcooked_bench.agents.agent import AgentFactory
 from overcooked_bench.agents.behaviours.behaviour import ScriptAgent
 from overcooked_bench.agents.behaviours.parsing import parse_behaviour
-from overcooked_bench.agents.scripted import make_scripted
-from overcooked_bench.scenarios.entrants import AgentFactory
+from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.scenarios.errors import ScenarioError
 from overcooked_bench.scenarios.items import HALVES, Item
 from overcooked_bench.scenarios.judge import judge
@@ -56,7 +56,7 @@ _COOKS: Final = {
 
 
 def _scripted(name: str) -> AgentFactory:
-    return lambda layout, seed: make_scripted(name, layout)
+    return lambda layout, seed: SCRIPTED[name].factory(layout)
 
 
 def _cook(name: str) -> AgentFactory:

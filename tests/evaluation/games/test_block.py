@@ -126,7 +126,7 @@ def test_an_edited_submission_is_not_played_by_its_old_code(protocol, tmp_path):
     south = play_block(block(protocol, write_agent(file, act="return np.full(n, 1)")))
     for outcome, action in ((north, 0), (south, 1)):
         assert all((episode.joint_actions(40)[:, episode.seat] == action).all() for episode in outcome.episodes)
-    with pytest.raises(AgentError, match="changed while it was being scored"):
+    with pytest.raises(AgentError, match="changed while it was being played"):
         play_block(before)
 
 

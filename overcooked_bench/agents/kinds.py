@@ -1,0 +1,223 @@
+"""The kinds of reference to an agent, one row each: how it is written, what it looks like, and how it is found.
+
+Nothing else parses references. A new kind is a function here and a row in `KINDS`.
+"""
+
+import hashlib
+import json
+import os
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from overcooked_bench.agents.agent import Agent, AgentFactory, Reference, UnknownLayout
+from overcooked_bench.agents.pools.manifest import read_manifest
+from overcooked_bench.agents.pools.pool import Pool, find_pool, is_pool
+from overcooked_bench.agents.scripted import SCRIPTED, scripted_sha256
+from overcooked_bench.agents.submissions.checks import AgentError
+from overcooked_bench.agents.submissions.loading import ENTRY, MAKE_AGENT, load_submission
+
+if TYPE_CHECKING:
+    from overcooked_bench.agents.policies.neural import Mode
+    from overcooked_bench.agents.policies.policy import Policy
+
+SCRIPT: Final = "script:"
+"""What the name of a scenario's partner begins with; its behaviour follows, as scenarios write it (`parsing.py`)."""
+
+ANY_LAYOUT: Final = "{layout}"
+"""Is replaced by the layout's name: `dev-v0/{layout}/sp-0` is another agent in each kitchen."""
+
+_POLICY_SUFFIXES: Final = (".safetensors", ".json")
+
+
+@dataclass(frozen=True)
+class Entrant:
+    """An agent that was found.
+
+    Attributes:
+        reference: Finds the same agent from any working directory: a name, or an absolute path.
+        name: What tables and folders call it.
+        kind: A key of `KINDS`.
+        sha256: Hash of what it is, hexadecimal: of a policy's weights, a submission's files, or a scripted agent's name
+            and version.
+        make: `make(layout, training_seed)` makes the agent; raises UnknownLayout where it cannot play the layout.
+        training_seeds: Independent training runs, S; `make` takes 0 to S - 1. Kinds other than submissions have one and
+            take any.
+        layout: The only layout that it plays, or None.
+    """
+
+    reference: str
+    name: str
+    kind: str
+    sha256: str
+    make: AgentFactory
+    training_seeds: int = 1
+    layout: str | None = None
+
+
+class Kind(NamedTuple):
+    """A kind of reference.
+
+    Attributes:
+        written: An example, for messages and lists.
+        fits: Whether a reference is of this kind; the first row that fits counts.
+        find: Finds the agent; `mode` is how frozen policies act.
+    """
+
+    written: str
+    fits: Callable[[Reference], bool]
+    find: Callable[[Reference, "Mode"], Entrant]
+
+
+def _scripted(reference: Reference, mode: "Mode") -> Entrant:
+    name = str(reference)
+    factory, version = SCRIPTED[name]
+    return Entrant(name, name, "scripted", scripted_sha256(name, version), lambda layout, _: factory(layout))
+
+
+def _script(reference: Reference, mode: "Mode") -> Entrant:
+    from overcooked_bench.agents.behaviours.behaviour import ScriptAgent
+    from overcooked_bench.agents.behaviours.parsing import VERSION, behaviour_from_text
+
+    name = str(reference)
+    try:
+        behaviour = behaviour_from_text(name.removeprefix(SCRIPT))
+    except ValueError as error:
+        raise AgentError(f"{name}: {error}") from None
+    sha256 = scripted_sha256(f"{name}/{VERSION}", 1)
+    return Entrant(name, _plain(name), "script", sha256, lambda *_: ScriptAgent(behaviour))
+
+
+def _behaviour(reference: Reference, mode: "Mode") -> Entrant:
+    """Finds the script that a mapping, or its text in braces, stands for."""
+    if not isinstance(reference, Mapping):
+        return _script(f"{SCRIPT}{reference}", mode)
+    try:
+        text = json.dumps(dict(reference), sort_keys=True)
+    except (TypeError, ValueError) as error:
+        raise AgentError(f"{reference!r} is no behaviour ({error}); write one such as {{'does': 'carry'}}") from None
+    return _script(SCRIPT + text, mode)
+
+
+def _submission(reference: Reference, mode: "Mode") -> Entrant:
+    submission = load_submission(str(reference))
+    return Entrant(
+        *(str(submission.path), submission.name, "submission", submission.sha256, submission.make_agent),
+        training_seeds=submission.training_seeds,
+    )
+
+
+def _function(reference: Reference, mode: "Mode") -> Entrant:
+    file, _, function = str(reference).rpartition(":")
+    submission = load_submission(file, function)
+    reference, name, sha256 = f"{submission.path}:{function}", submission.name, submission.sha256
+    if function != MAKE_AGENT:
+        name, sha256 = f"{name}-{function}", hashlib.sha256(f"{sha256}:{function}".encode()).hexdigest()
+    return Entrant(
+        *(reference, name, "function", sha256, submission.make_agent), training_seeds=submission.training_seeds
+    )
+
+
+def _policy(reference: Reference, mode: "Mode") -> Entrant:
+    from overcooked_bench.agents.policies.policy import load_policy
+
+    name, policy = str(reference), load_policy(str(reference))
+    make = _frozen(policy, name, mode)
+    return Entrant(
+        *(str(Path(name).absolute()), _plain(name), "policy", policy.sha256, make), layout=policy.architecture.layout
+    )
+
+
+def _pool_agent(reference: Reference, mode: "Mode") -> Entrant:
+    name = str(reference)
+    pool, layout, agent = _in_pool(name)
+    policy = pool.policy(layout, agent)  # verifies this agent's files alone
+    return Entrant(
+        *(_anywhere(name, pool), f"{pool.name}-{layout}-{agent}", "pool agent", policy.sha256),
+        make=_frozen(policy, name, mode),
+        layout=policy.architecture.layout,
+    )
+
+
+def _pool_agents(reference: Reference, mode: "Mode") -> Entrant:
+    """Finds agents of one name, one for each layout of their pool that has it."""
+    name = str(reference)
+    pool, _, agent = _in_pool(name)
+    found = {one.layout: one for layout in pool.layouts for one in pool.agents(layout) if one.name == agent}
+    if not found:
+        pool.agent(pool.layouts[0], agent)  # says which names there are
+    whole = "".join(f"{layout} {found[layout].files.weights.sha256}\n" for layout in sorted(found))
+
+    def make(layout: str, training_seed: int) -> Agent:
+        if layout not in found:
+            raise UnknownLayout(f"the pool {pool.name} has no agent {agent!r} for {layout!r}")
+        return _frozen(pool.policy(layout, agent), name, mode)(layout, training_seed)
+
+    sha256 = hashlib.sha256(whole.encode()).hexdigest()
+    return Entrant(_anywhere(name, pool), f"{pool.name}-{agent}", "pool agents", sha256, make)
+
+
+def _frozen(policy: "Policy", name: str, mode: "Mode") -> AgentFactory:
+    trained_on = policy.architecture.layout
+
+    def make(layout: str, training_seed: int) -> Agent:
+        if layout != trained_on:
+            raise UnknownLayout(f"{name} was trained on {trained_on!r} and cannot play {layout!r}")
+        from overcooked_bench.agents.policies.neural import NeuralAgent
+
+        return NeuralAgent(policy, mode)
+
+    return make
+
+
+def _in_pool(name: str) -> tuple[Pool, str, str]:
+    """Reads the pool of a name, without verifying its agents; gives layout and agent too."""
+    where, layout, agent = name.rsplit("/", 2)
+    folder = find_pool(where)
+    return Pool(folder, read_manifest(folder)), layout, agent
+
+
+def _anywhere(name: str, pool: Pool) -> str:
+    where, layout, agent = name.rsplit("/", 2)
+    return f"{pool.folder.absolute()}/{layout}/{agent}" if Path(where).is_dir() else name
+
+
+def _plain(name: str) -> str:
+    """Makes a name for tables and folders out of a path or a script."""
+    return re.sub(r"[^A-Za-z0-9_.]+", "-", name).strip("-.")
+
+
+def _is_submission(reference: Reference) -> bool:
+    path = Path(str(reference))
+    return path.suffix == ".py" or _is_folder(path)
+
+
+def _is_folder(path: Path) -> bool:
+    return os.path.isfile(path / ENTRY)
+
+
+def _is_function(reference: Reference) -> bool:
+    file, _, function = str(reference).rpartition(":")
+    return bool(file) and function.isidentifier() and _is_submission(file)
+
+
+def _is_of_pool(reference: Reference, any_layout: bool) -> bool:
+    where, *rest = str(reference).rsplit("/", 2)
+    return len(rest) == 2 and (rest[0] == ANY_LAYOUT) == any_layout and is_pool(where)
+
+
+KINDS: Final[dict[str, Kind]] = {
+    "behaviour": Kind(
+        "{does: carry, insist: true}", lambda it: isinstance(it, Mapping) or str(it).lstrip()[:1] == "{", _behaviour
+    ),
+    "scripted": Kind("greedy", lambda it: str(it) in SCRIPTED, _scripted),
+    "script": Kind("script:carry", lambda it: str(it).startswith(SCRIPT), _script),
+    "submission": Kind("my_agent.py, or a folder with agent.py", _is_submission, _submission),
+    "function": Kind("my_agent.py:make_other", _is_function, _function),
+    "policy": Kind("policy.safetensors", lambda it: Path(str(it)).suffix in _POLICY_SUFFIXES, _policy),
+    "pool agents": Kind("pool/{layout}/agent", lambda it: _is_of_pool(it, any_layout=True), _pool_agents),
+    "pool agent": Kind("pool/layout/agent", lambda it: _is_of_pool(it, any_layout=False), _pool_agent),
+}
+"""Every kind of reference, by name."""

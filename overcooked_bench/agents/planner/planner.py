@@ -1,0 +1,83 @@
+"""The planner: one agent for `greedy` and the two couriers, who differ in the jobs that they do.
+
+Axes: B rows (simultaneous episodes), H x W the grid.
+"""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overcooked_bench.agents.draws import uniforms
+from overcooked_bench.agents.planner.tables import make_tables
+from overcooked_bench.kitchen.layout import Layout
+
+ROLES: Final = ("greedy", "onion_courier", "dish_courier")
+"""In the order of the roles of `errands`."""
+
+_SEAT_SALT: Final = 0x5851F42D4C957F2D  # keeps two copies with the same seeds apart
+
+
+class Planner:
+    """Goes shortest paths to what is most useful now, given what both chefs hold and what lies where.
+
+    Args:
+        role: "greedy" does every job; "onion_courier" brings ingredients to pots and never plates; "dish_courier" waits
+            for soups, plates and serves them and never brings ingredients. All start full pots where that is needed.
+        layout: A shipped name, a grid's text, a file or a Layout, whose orders are cooked where `reset` names the same
+            layout.
+
+    Raises:
+        LayoutError: No such layout.
+    """
+
+    observation = "lossless26"
+
+    def __init__(self, role: str, layout: str | Layout) -> None:
+        self._role = ROLES.index(role)
+        self._layout = Layout.load(layout)
+        self._plan = make_tables(self._layout)
+        self._seeds: NDArray[np.uint64] = np.zeros(0, np.uint64)
+        self._step = 0
+
+    def reset(self, layout: str, seats: NDArray[np.int64], seeds: NDArray[np.uint64]) -> None:
+        """Starts new episodes.
+
+        Raises:
+            LayoutError: No such layout.
+        """
+        from overcooked_bench.agents.planner.facts import FACTS
+
+        if layout != self._layout.name:
+            self._layout = Layout.load(layout)
+            self._plan = make_tables(self._layout)
+        self._seeds = np.asarray(seeds, np.uint64) + np.asarray(seats, np.uint64) * np.uint64(_SEAT_SALT)
+        self._step = 0
+        self._facts = np.zeros((len(self._seeds), FACTS), np.int64)
+
+    def act(self, observations: NDArray[np.uint8]) -> NDArray[np.int64]:
+        """Chooses one action a row.
+
+        Args:
+            observations: (B, 26, H, W) uint8.
+
+        Raises:
+            ValueError: Another shape than the rows and the layout of `reset` have.
+        """
+        from overcooked_bench.agents.planner.errands import choose
+        from overcooked_bench.agents.planner.facts import look, trust
+        from overcooked_bench.agents.planner.steering import walk
+        from overcooked_bench.agents.planner.weighing import weigh
+
+        layout, facts = self._layout, self._facts
+        wanted = (len(self._seeds), 26, layout.height, layout.width)
+        if observations.shape != wanted:
+            raise ValueError(f"observations have the shape {observations.shape}; reset() announced {wanted}")
+        views = np.ascontiguousarray(observations, np.uint8).reshape(*wanted[:2], -1)
+        look(views, facts)
+        weigh(views, self._plan, facts)
+        trust(facts)
+        choose(facts, self._role)
+        actions = walk(self._plan, uniforms(self._seeds, self._step), facts)
+        self._step += 1
+        return actions
