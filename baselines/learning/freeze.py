@@ -37,7 +37,7 @@ def freeze(stem: Path, model: BaseAlgorithm, settings: Settings) -> PolicyFiles:
         told["activation"] = "relu"
     else:
         told["filters"] = settings.filters
-        if settings.observation == "stack_states":
+        if len(shape) == 4:  # past states are stacked
             told["previous"] = settings.previous
     return save_policy(stem, ARCHITECTURES[settings.network](**told), _actor_weights(model))
 

@@ -14,8 +14,9 @@ from stable_baselines3.common.type_aliases import PyTorchObs
 
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
 from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.observations.registry import find_observation
 
-from .inputs import fixed_inputs, live_inputs, live_sources
+from .inputs import fixed_inputs
 from .settings import Settings
 
 
@@ -32,7 +33,7 @@ class Trunk(BaseFeaturesExtractor):
 
     def __init__(self, observation_space: spaces.Box, settings: Settings, width: int) -> None:
         super().__init__(observation_space, width)
-        live = live_inputs(Layout.load(settings.layout), settings.observation)
+        live = find_observation(settings.observation).live(Layout.load(settings.layout)).places
         self.register_buffer("live", torch.from_numpy(live), persistent=False)
 
     def compact(self, observations: torch.Tensor) -> torch.Tensor:
@@ -86,8 +87,8 @@ class CnnTrunk(Trunk):
     fraction of the multiplications. A value that many cells show, such as urgency, has the convolution of these cells
     as its row of the matrix.
 
-    With `stack_states` the four states share the convolutions, and the three older ones then pass one small layer
-    that the current one does not (thesis, 7.4).
+    Where past states are stacked (`stack_states`), all states share the convolutions, and the older ones then pass one
+    small layer that the current one does not (thesis, 7.4).
     """
 
     taps: torch.Tensor
@@ -100,10 +101,11 @@ class CnnTrunk(Trunk):
         self._states = states[0] if states else 1
         self._image = planes, height, width
         layout = Layout.load(settings.layout)
-        one = "lossless" if states else settings.observation
-        sources = torch.from_numpy(live_sources(layout, one))
+        one = planes * height * width  # inputs of one state: all states have the same live ones
+        sources = torch.from_numpy(find_observation(settings.observation).live(layout).shown[:one])
         everywhere = torch.nonzero(sources[sources >= 0].bincount() > 1).flatten()
-        images = [torch.from_numpy(fixed_inputs(layout, one)), *((sources == i).float() for i in everywhere)]
+        fixed = torch.from_numpy(fixed_inputs(layout, settings.observation)[:one])
+        images = [fixed, *((sources == i).float() for i in everywhere)]
         self.register_buffer("taps", _taps(sources, self._image), persistent=False)
         self.register_buffer("everywhere", everywhere, persistent=False)
         self.register_buffer("images", torch.stack(images).view(-1, *self._image), persistent=False)

@@ -4,6 +4,9 @@ from dataclasses import dataclass
 from math import inf
 from typing import Final, Literal
 
+from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.observations.registry import find_observation
+
 _COUNTS: Final = ("num_kitchens", "rollout", "epochs", "minibatches", "horizon", "filters", "previous", "threads")
 _SHARES: Final = ("gamma", "gae_lambda", "entropy_share", "shaping_share", "check_share", "object_probability")
 _FROM_0: Final = ("learning_rate_end", "value_coefficient", "entropy_start", "entropy_end", "restarts")
@@ -64,8 +67,8 @@ class Settings:
     """Filters of each convolution (network cnn)."""
     previous: int = 16
     """Width of the small layer on each older state (network cnn, observation stack_states)."""
-    observation: Literal["lossless", "lossless26", "stack_channels", "stack_states"] = "lossless"
-    """What the policy sees."""
+    observation: str = "lossless"
+    """What the policy sees, an observation of `Kitchens.observe`."""
     cooking: Literal["auto", "manual"] = "auto"
     """Cooking mode."""
     start: Literal["random", "standard"] = "random"
@@ -105,6 +108,9 @@ class Settings:
             raise ValueError(
                 f"minibatches={self.minibatches}; give a divisor of the {rows} steps of {self.learners} in an update"
             )
+        seen = find_observation(self.observation)
+        if self.network == "cnn" and len(seen.shape(Layout.load(self.layout))) < 3:
+            raise ValueError(f"observation={self.observation!r} is no grid; give network='mlp', or a grid")
         if not self.hidden or min(self.hidden) < 1:
             raise ValueError(f"hidden={self.hidden}; give the width of each layer, from 1")
         if any(not 0 <= share < 1 for share in self.snapshots):

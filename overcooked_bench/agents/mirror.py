@@ -1,7 +1,7 @@
 """An adapter that lets an agent of a kitchen play that kitchen's mirror image."""
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,6 +10,9 @@ from overcooked_bench.agents.agent import Agent, UnknownLayout
 from overcooked_bench.kitchen.codes import ACTION_NAMES
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.state import KitchenState, row_major
+
+if TYPE_CHECKING:
+    from overcooked_bench.kitchen.observations.observation import Observation
 
 _EXCHANGED = {"east": "west", "west": "east"}
 _ACTIONS = {ACTION_NAMES.index(a): ACTION_NAMES.index(b) for a, b in _EXCHANGED.items()}
@@ -26,21 +29,25 @@ def mirrored(agent: Agent) -> Agent:
             choose by column, which the features themselves do not tell.
 
     Raises:
-        UnknownLayout: The agent sees features.
+        UnknownLayout: What the agent sees cannot be mirrored.
     """
-    if agent.observation == "features":
+    from overcooked_bench.kitchen.observations.registry import find_observation
+
+    seen = None if agent.observation == "state" else find_observation(agent.observation)
+    if seen and not seen.can_mirror:
         raise UnknownLayout(
-            "an agent that sees 'features' cannot be shown a mirrored kitchen; grids and states can be mirrored"
+            f"an agent that sees {agent.observation!r} cannot be shown a mirrored kitchen; grids and states can be "
+            "mirrored"
         )
-    return _Mirrored(agent)
+    return _Mirrored(agent, seen)
 
 
 class _Mirrored:
     """The adapter of `mirrored`."""
 
-    def __init__(self, agent: Agent) -> None:
+    def __init__(self, agent: Agent, seen: "Observation | None") -> None:
         self.observation = agent.observation
-        self._agent = agent
+        self._agent, self._seen = agent, seen
         self._width = 0
 
     def reset(self, layout: str, seats: NDArray[np.int64], seeds: NDArray[np.uint64]) -> None:
@@ -49,25 +56,9 @@ class _Mirrored:
         self._agent.reset(shown.name, seats, seeds)
 
     def act(self, observations: Any) -> ArrayLike:
-        if self.observation == "state":
+        if self._seen is None:
             return mirror_actions(self._agent.act([mirror_state(state, self._width) for state in observations]))
-        return mirror_actions(self._agent.act(mirror_grid(observations)))
-
-
-def mirror_grid(observations: NDArray[Any]) -> NDArray[Any]:
-    """Reverses grid observations left to right: (..., planes, H, W) of any of the four kinds, a fresh array."""
-    from overcooked_bench.kitchen.observations import CHANNELS, ONION_CHANNELS, PAST_CHANNELS
-
-    planes = observations.shape[-3]
-    names = list(CHANNELS) if planes == len(CHANNELS) else [CHANNELS[k] for k in ONION_CHANNELS]
-    chefs = [CHANNELS[k] for k in PAST_CHANNELS]
-    while len(names) < planes:  # stack_channels: the chefs of older states follow
-        names += [f"{len(names)} {chef}" for chef in chefs]
-    source = []
-    for plane, name in enumerate(names):
-        side = name.rpartition("_")[2]
-        source.append(names.index(name.removesuffix(side) + _EXCHANGED[side]) if side in _EXCHANGED else plane)
-    return np.ascontiguousarray(observations[..., source, :, ::-1])
+        return mirror_actions(self._agent.act(self._seen.mirrored(observations)))
 
 
 def mirror_state(state: KitchenState, width: int) -> KitchenState:

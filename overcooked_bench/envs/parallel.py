@@ -10,9 +10,10 @@ from gymnasium.spaces import Box, Discrete
 from numpy.typing import NDArray
 
 from overcooked_bench.envs.frames import RENDER_FPS, RENDER_MODES, checked_mode, frame
-from overcooked_bench.envs.spaces import action_space, history_for, observation_space
+from overcooked_bench.envs.spaces import action_space, observation_space
 from overcooked_bench.kitchen.kitchens import Kitchens
 from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.observations.registry import history_for
 
 try:
     from pettingzoo import ParallelEnv
@@ -65,7 +66,7 @@ class ParallelKitchen(ParallelEnv if ParallelEnv else object):  # type: ignore[m
             horizon=horizon,
             start=start,
             object_probability=object_probability,
-            history=history_for(observation),
+            history=history_for([observation]),
         )
         self.kitchens.autoreset = False
         self.possible_agents = list(CHEFS)

@@ -20,9 +20,10 @@ from overcooked_bench.envs.event_rewards import event_weights
 from overcooked_bench.envs.frames import frame
 from overcooked_bench.envs.partners import Partners
 from overcooked_bench.envs.seatmate import RANDOM_SEAT, STAY_ACTION, checked_seat
-from overcooked_bench.envs.spaces import action_space, history_for, observation_space
+from overcooked_bench.envs.spaces import action_space, observation_space
 from overcooked_bench.kitchen.kitchens import Kitchens
 from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.observations.registry import history_for
 
 
 class OvercookedVecEnv(VecEnv):
@@ -85,7 +86,7 @@ class OvercookedVecEnv(VecEnv):
             start=start,
             object_probability=object_probability,
             events=self._event_weights is not None,
-            history=history_for(observation, *(self._partners.observations if self._partners else ())),
+            history=history_for([observation, *(self._partners.observations if self._partners else ())]),
         )
         if self._partners:
             self._partners.shown_by(self.kitchens)

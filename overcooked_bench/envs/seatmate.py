@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import Agent, Reference
 from overcooked_bench.kitchen.codes import STAY
-from overcooked_bench.kitchen.kitchens import OBSERVATIONS, Kitchens
+from overcooked_bench.kitchen.kitchens import Kitchens
 from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
 
 RANDOM_SEAT: Final = "random"
 STAY_ACTION: Final = STAY

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from overcooked_bench.agents.agent import Agent, Reference
 from overcooked_bench.envs.frames import RENDER_FPS, RENDER_MODES, checked_mode, frame
 from overcooked_bench.envs.seatmate import LARGEST_DRAW, RANDOM_SEAT, STAY_ACTION, checked_seat, needed_layout, seatmate
-from overcooked_bench.envs.spaces import action_space, history_for, observation_space
+from overcooked_bench.envs.spaces import action_space, observation_space
 from overcooked_bench.kitchen.kitchens import Kitchens
 from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.observations.registry import history_for
 
 
 class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
@@ -139,7 +140,7 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
             horizon=horizon,
             start=start,
             object_probability=object_probability,
-            history=history_for(observation, self._partner.observation if self._partner else ""),
+            history=history_for([observation, self._partner.observation if self._partner else ""]),
         )
         self.kitchens.autoreset = False
         if self._partner:

@@ -2,13 +2,11 @@
 
 from typing import Any
 
-import numpy as np
 from gymnasium.spaces import Box, Discrete
 
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
-from overcooked_bench.kitchen.kitchens import HISTORY, STACKED, Kitchens
-
-_LEAST_GRID_BOUND = 20
+from overcooked_bench.kitchen.kitchens import Kitchens
+from overcooked_bench.kitchen.observations.registry import find_observation
 
 
 def action_space() -> "Discrete[Any]":
@@ -17,30 +15,19 @@ def action_space() -> "Discrete[Any]":
 
 
 def observation_space(kitchens: Kitchens, observation: str) -> Box:
-    """Gives the space of one chef's observation.
-
-    A grid's values reach from 0 to the layout's longest cook time, at least 20 and never 255: stable-baselines3 takes a
-    uint8 Box up to 255 for an image. The features' bounds hold every distance in the grid and every remaining time.
+    """Returns the space of one chef's observation.
 
     Args:
         kitchens: Kitchens of the layout, with history where the observation is a stack.
-        observation: One of "lossless", "lossless26", "features", "stack_channels", "stack_states".
+        observation: A name of `observations.registry.OBSERVATIONS`.
 
     Returns:
-        A uint8 Box of the shape (..., H, W), or a float32 Box of the shape (96,).
+        A Box of the observation's type, shape and bounds in this layout; never a uint8 Box up to 255, which
+        stable-baselines3 would take for an image.
 
     Raises:
         ValueError: The observation is unknown, or this layout does not have it.
     """
-    shape = kitchens.observation_shape(observation)
-    layout = kitchens.layout
-    longest = max(_LEAST_GRID_BOUND, *layout.cook_times)
-    if observation == "features":
-        side = max(layout.width, layout.height)
-        return Box(np.float32(-side), np.float32(max(side, longest)), shape, np.float32)
-    return Box(0, longest, shape, np.uint8)
-
-
-def history_for(*observations: str) -> int:
-    """Gives the number of past states that kitchens must keep for these observations."""
-    return HISTORY if any(name in STACKED for name in observations) else 0
+    shape, seen = kitchens.observation_shape(observation), find_observation(observation)
+    low, high = (seen.dtype.type(bound) for bound in (seen.low(kitchens.layout), seen.high(kitchens.layout)))
+    return Box(low, high, shape, seen.dtype.type)

@@ -17,9 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from overcooked_bench.agents.agent import Agent, Reference
 from overcooked_bench.envs.frames import RENDER_FPS, RENDER_MODES, checked_mode, frame
 from overcooked_bench.envs.seatmate import LARGEST_DRAW, RANDOM_SEAT, STAY_ACTION, checked_seat, needed_layout, seatmate
-from overcooked_bench.envs.spaces import action_space, history_for, observation_space
+from overcooked_bench.envs.spaces import action_space, observation_space
 from overcooked_bench.kitchen.kitchens import Kitchens
 from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.observations.registry import history_for
 
 
 class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
@@ -87,7 +88,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
             horizon=horizon if max_episode_steps is None else min(horizon, max_episode_steps),
             start=start,
             object_probability=object_probability,
-            history=history_for(observation, self._partner.observation if self._partner else ""),
+            history=history_for([observation, self._partner.observation if self._partner else ""]),
         )
         self.kitchens.autoreset = False
         if self._partner:

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from overcooked_bench.kitchen.batch import Batch
 from overcooked_bench.kitchen.codes import (
     COUNTER,
     DISH,
@@ -20,14 +21,14 @@ from overcooked_bench.kitchen.codes import (
     pot_recipe,
 )
 from overcooked_bench.kitchen.layout import Layout
-from overcooked_bench.kitchen.rules import Plan
-from overcooked_bench.kitchen.state import FACINGS, Batch, Chef, KitchenState, Soup, Thing, row_major
+from overcooked_bench.kitchen.state import FACINGS, Chef, KitchenState, Soup, Thing, row_major
+from overcooked_bench.kitchen.tables import Tables
 
 _NAMES: dict[int, Thing] = {ONION: "onion", TOMATO: "tomato", DISH: "dish"}
 _ITEMS = {name: code for code, name in _NAMES.items()}
 
 
-def read_state(batch: Batch, plan: Plan, layout: Layout, i: int) -> KitchenState:
+def read_state(batch: Batch, tables: Tables, layout: Layout, i: int) -> KitchenState:
     """Gives kitchen i of a batch as a KitchenState."""
     width = layout.width
 
@@ -41,7 +42,7 @@ def read_state(batch: Batch, plan: Plan, layout: Layout, i: int) -> KitchenState
         return Soup(RECIPES[item - SOUP], time, time)
 
     objects: dict[Position, Thing] = {}
-    pots = plan.pots.tolist()
+    pots = tables.pots.tolist()
     for cell, code in enumerate(batch.cells[i].tolist()):
         if COUNTER < code < COUNTER + NUM_ITEMS:
             objects[place(cell)] = thing(code - COUNTER)
@@ -63,7 +64,7 @@ def read_state(batch: Batch, plan: Plan, layout: Layout, i: int) -> KitchenState
     return KitchenState((chefs[0], chefs[1]), objects, int(batch.clock[i]), layout.orders, layout.bonus_orders)
 
 
-def write_state(batch: Batch, plan: Plan, layout: Layout, i: int, state: KitchenState, horizon: int) -> None:
+def write_state(batch: Batch, tables: Tables, layout: Layout, i: int, state: KitchenState, horizon: int) -> None:
     """Puts a KitchenState into kitchen i of a batch, all but its image.
 
     Cook times come from the layout; a state's own are only used to say how long a soup has cooked.
@@ -81,19 +82,21 @@ def write_state(batch: Batch, plan: Plan, layout: Layout, i: int, state: Kitchen
             )
     if not 0 <= state.timestep <= horizon:
         raise ValueError(f"timestep {state.timestep}; the horizon is {horizon} steps")
-    cells, remaining = _place_objects(plan, layout, state)
-    position, facing, held = _place_chefs(plan, layout, state)
+    cells, remaining = _place_objects(tables, layout, state)
+    position, facing, held = _place_chefs(tables, layout, state)
     batch.cells[i], batch.remaining[i] = cells, remaining
     batch.position[i], batch.facing[i], batch.held[i] = position, facing, held
     batch.clock[i] = state.timestep
 
 
-def _place_objects(plan: Plan, layout: Layout, state: KitchenState) -> tuple[NDArray[np.uint16], NDArray[np.uint16]]:
+def _place_objects(
+    tables: Tables, layout: Layout, state: KitchenState
+) -> tuple[NDArray[np.uint16], NDArray[np.uint16]]:
     """Gives the codes of all cells and the remaining steps of the pots."""
     strange = [position for position in state.objects if not _is_cell(position)]
     if strange:
         raise ValueError(f"an object lies at {strange[0]!r}; positions are (x, y) of whole numbers")
-    cells, remaining, pots = plan.fresh.copy(), np.zeros(len(plan.pots), np.uint16), plan.pots.tolist()
+    cells, remaining, pots = tables.fresh.copy(), np.zeros(len(tables.pots), np.uint16), tables.pots.tolist()
     for (x, y), thing in row_major(state.objects).items():
         where = f"{_name(thing)} at ({x}, {y})"
         tile = layout.tile((x, y)) if 0 <= x < layout.width and 0 <= y < layout.height else "outside"
@@ -113,7 +116,7 @@ def _place_objects(plan: Plan, layout: Layout, state: KitchenState) -> tuple[NDA
     return cells, remaining
 
 
-def _place_chefs(plan: Plan, layout: Layout, state: KitchenState) -> tuple[list[int], list[int], list[int]]:
+def _place_chefs(tables: Tables, layout: Layout, state: KitchenState) -> tuple[list[int], list[int], list[int]]:
     """Gives both chefs' cells, directions and items."""
     if len(state.chefs) != 2 or any(not _is_cell(chef.position) for chef in state.chefs):
         raise ValueError(f"chefs are {state.chefs!r}; give two, each at (x, y) of whole numbers")
@@ -122,7 +125,7 @@ def _place_chefs(plan: Plan, layout: Layout, state: KitchenState) -> tuple[list[
         x, y = chef.position
         cell = y * layout.width + x
         inside = 0 <= x < layout.width and 0 <= y < layout.height
-        if not inside or plan.fresh[cell] != FLOOR:
+        if not inside or tables.fresh[cell] != FLOOR:
             raise ValueError(f"chef {seat} stands at ({x}, {y}), which is no floor")
         if chef.facing not in FACINGS:
             raise ValueError(f"chef {seat} faces {chef.facing!r}; directions are {', '.join(FACINGS)}")

@@ -20,10 +20,10 @@ def jit(function: Function) -> Function:
     """Compiles a kernel on first use, releasing the GIL, with the compiled code kept on disk where that is possible.
 
     Numba's own cache looks at the file of the outermost function only, and would keep old code when an inlined kernel
-    of another file changes; this one lies in a folder named after the content of the kitchen's sources and of the
-    files beside the kernel's own.
+    of another file changes; this one lies in a folder named after the content of the kitchen's sources, sub-folders
+    included, and of the files beside the kernel's own.
     """
-    folder = _cache_folder(Path(function.__code__.co_filename))
+    folder = _cache_folder(Path(function.__code__.co_filename).parent)
     options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
     if folder is None or DISABLED:
         return numba.njit(**options)(function)  # type: ignore[no-any-return]
@@ -37,9 +37,9 @@ def jit(function: Function) -> Function:
 
 
 @cache
-def _cache_folder(source: Path) -> Path | None:
+def _cache_folder(beside: Path) -> Path | None:
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted({*Path(__file__).parent.glob("*.py"), *source.parent.glob("*.py")}):
+    for path in sorted({*Path(__file__).parent.rglob("*.py"), *beside.glob("*.py")}):
         digest.update(path.read_bytes())
     if sys.platform == "win32":
         home = os.environ.get("LOCALAPPDATA")

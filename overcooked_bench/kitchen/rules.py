@@ -5,22 +5,20 @@
 Source: overcooked_ai 1.1.0 and 2.0.0 (`OvercookedGridworld.get_state_transition`).
 """
 
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.kitchen import codes
+from overcooked_bench.kitchen.batch import CELLS, FACING, HELD, POSITION
 from overcooked_bench.kitchen.codes import (
     COUNTER,
     DISH,
     DISH_DISPENSER,
-    FLOOR,
     INTERACT,
     MAX_INGREDIENTS,
     NOTHING,
-    NUM_CELL_CODES,
-    NUM_ITEMS,
     ONION,
     ONION_DISPENSER,
     POT_COOKING,
@@ -33,18 +31,14 @@ from overcooked_bench.kitchen.codes import (
     TOMATO,
     TOMATO_DISPENSER,
 )
-from overcooked_bench.kitchen.events import best_reachable, record_interaction
-from overcooked_bench.kitchen.jit import jit
-from overcooked_bench.kitchen.layout import Layout
-from overcooked_bench.kitchen.observations import (
+from overcooked_bench.kitchen.events import record_interaction
+from overcooked_bench.kitchen.image import (
     URGENT_STEPS,
-    background,
     paint_cell,
     paint_hand,
-    paint_table,
     paint_urgency,
 )
-from overcooked_bench.kitchen.state import CELLS, FACING, HELD, POSITION
+from overcooked_bench.kitchen.jit import jit
 
 COOKING_MODES: Final = ("auto", "manual")
 
@@ -57,47 +51,17 @@ POTTED, PLATED, SERVED, TOOK_DISH, STARTED = 1, 2, 4, 8, 16
 
 FIRST_OF_THREE: Final = next(k for k, recipe in enumerate(RECIPES) if sum(recipe) == MAX_INGREDIENTS)
 
-_ITEM_BITS, _CELL_BITS = 4, 6
-_ITEM_MASK, _CELL_MASK = (1 << _ITEM_BITS) - 1, (1 << _CELL_BITS) - 1
+ITEM_BITS, CELL_BITS = 4, 6
+_ITEM_MASK, _CELL_MASK = (1 << ITEM_BITS) - 1, (1 << CELL_BITS) - 1
 
 
-# Columns of `Plan.ways`: the cell ahead by facing, the wanted cell by action.
+# Columns of `Tables.ways`: the cell ahead by facing, the wanted cell by action.
 AHEAD: Final = 0
 WANTED: Final = 4
-# Columns of `Plan.by_code`: channels 16 to 24 of the image, then what a pot does by itself.
+# Columns of `Tables.by_code`: channels 16 to 24 of the image, then what a pot does by itself.
 PAINT: Final = 0
 STARTS_ITSELF: Final = 9
 COOK_TIME: Final = 10
-
-
-class Plan(NamedTuple):
-    """A layout and a cooking mode compiled to tables. C cells in row-major order, P pots, F floor cells, K orders.
-
-    Attributes:
-        ways: (C, 10) uint16  for a floor cell: the cell ahead by facing (4), the wanted cell by action (6)
-        outcomes: (64, 16) uint16  by faced cell code and held item: new cell code, new held item and what was done
-        by_code: (64, 11) uint8  by cell code: channels 16 to 24, whether a pot starts by itself, its cook time
-        payments: (2, 16) float64  points for serving a held item; best payment reachable from a pot's recipe index
-        pots: (P,) uint16  cells
-        fresh: (C,) uint16  cell codes of the empty kitchen
-        floor: (F, 2) uint16  cell and region of each floor cell
-        allowed: (R, R) bool  whether a random start may put chef 0 in one region and chef 1 in the other
-        standard: (2,) uint16  standard start cells, zeros where the layout names none
-        orders: (K, 3) uint16  recipe index, onions and tomatoes of the orders
-        background: (26 * C,) uint8  lossless encoding of the empty kitchen without chefs
-    """
-
-    ways: NDArray[np.uint16]
-    outcomes: NDArray[np.uint16]
-    by_code: NDArray[np.uint8]
-    payments: NDArray[np.float64]
-    pots: NDArray[np.uint16]
-    fresh: NDArray[np.uint16]
-    floor: NDArray[np.uint16]
-    allowed: NDArray[np.bool_]
-    standard: NDArray[np.uint16]
-    orders: NDArray[np.uint16]
-    background: NDArray[np.uint8]
 
 
 def interact(cell: int, held: int, cooking: str) -> tuple[int, int, int]:
@@ -134,59 +98,6 @@ def interact(cell: int, held: int, cooking: str) -> tuple[int, int, int]:
         if ready and held == DISH:
             return POT_IDLE, SOUP + codes.pot_recipe(cell), PLATED
     return cell, held, 0
-
-
-def compile_plan(layout: Layout, cooking: str) -> Plan:
-    """Turns a layout and a cooking mode into the tables that the kernels read."""
-    if cooking not in COOKING_MODES:
-        raise ValueError(f"cooking={cooking!r}; choose one of {', '.join(map(repr, COOKING_MODES))}")
-    short = [order for order in layout.orders if sum(order) != MAX_INGREDIENTS]
-    if cooking == "auto" and short:
-        raise ValueError(
-            f"cooking='auto' starts a pot at its third ingredient, and orders with fewer, such as {short[0]} "
-            "(onions, tomatoes), can never be cooked; use cooking='manual' or orders of three"
-        )
-    width, cells = layout.width, layout.width * layout.height
-    fresh = np.array([codes.TILES[tile] for row in layout.rows for tile in row], np.uint16)
-    ways = np.zeros((cells, 10), np.uint16)
-    for x, y in layout.positions(" "):
-        cell = y * width + x
-        ways[cell, WANTED:] = cell
-        for direction, (dx, dy) in enumerate(codes.DIRECTIONS):
-            ahead = (y + dy) * width + x + dx
-            ways[cell, AHEAD + direction] = ahead
-            if fresh[ahead] == FLOOR:
-                ways[cell, WANTED + direction] = ahead
-    outcomes = np.zeros((1 << _CELL_BITS, 1 << _ITEM_BITS), np.uint16)
-    for cell in range(NUM_CELL_CODES):
-        for held in range(NUM_ITEMS):
-            new_cell, new_held, done = interact(cell, held, cooking)
-            outcomes[cell, held] = new_cell | new_held << _CELL_BITS | done << (_CELL_BITS + _ITEM_BITS)
-    by_code = np.zeros((1 << _CELL_BITS, COOK_TIME + 1), np.uint8)
-    by_code[:, PAINT:STARTS_ITSELF] = paint_table()
-    for index, recipe in enumerate(RECIPES[1:], start=1):
-        by_code[POT_IDLE + index, COOK_TIME] = layout.cook_times[index]
-        by_code[POT_IDLE + index, STARTS_ITSELF] = cooking == "auto" and sum(recipe) == MAX_INGREDIENTS
-    payments = np.zeros((2, 1 << _ITEM_BITS))
-    payments[0, SOUP : SOUP + len(RECIPES)] = layout.soup_rewards
-    payments[1, : len(RECIPES)] = best_reachable(np.array(layout.soup_rewards))
-    regions = max(layout.regions.values()) + 1
-    allowed = np.zeros((regions, regions), np.bool_)
-    for a, b in layout.start_regions:
-        allowed[a, b] = True
-    return Plan(
-        ways=ways,
-        outcomes=outcomes,
-        by_code=by_code,
-        payments=payments,
-        pots=np.flatnonzero(fresh >= POT_IDLE).astype(np.uint16),
-        fresh=fresh,
-        floor=np.array([(y * width + x, region) for (x, y), region in layout.regions.items()], np.uint16),
-        allowed=allowed,
-        standard=np.array([y * width + x for x, y in layout.start_cells] or [0, 0], np.uint16),
-        orders=np.array([(RECIPES.index(order), *order) for order in layout.orders], np.uint16),
-        background=background(layout),
-    )
 
 
 @jit
@@ -252,11 +163,11 @@ def step_kitchens(  # noqa: C901 (the whole step in one place, and one compiled 
         rows: The batch, changed in place, with `clock` and `image`.
         clock: See `Batch`.
         image: See `Batch`.
-        ways: The layout's tables, see `Plan`, with `outcomes`, `by_code`, `payments` and `pots`.
-        outcomes: See `Plan`.
-        by_code: See `Plan`.
-        payments: See `Plan`.
-        pots: See `Plan`.
+        ways: The layout's tables, see `Tables`, with `outcomes`, `by_code`, `payments` and `pots`.
+        outcomes: See `Tables`.
+        by_code: See `Tables`.
+        payments: See `Tables`.
+        pots: See `Tables`.
         horizon: Steps of an episode.
         actions: (N, 2) ints.
         rewards: (2, N, 2) float64, written: [0] points of each chef's delivery, [1] each chef's partial rewards.
@@ -282,10 +193,10 @@ def step_kitchens(  # noqa: C901 (the whole step in one place, and one compiled 
             code, item = row[CELLS + ahead], row[HELD + chef]
             outcome = outcomes[code, item]
             # One rare branch for "interacts, and something happens": a wrong guess costs more than the work.
-            if not ((actions[i, chef] == INTERACT) & (outcome != code | item << _CELL_BITS)):
+            if not ((actions[i, chef] == INTERACT) & (outcome != code | item << CELL_BITS)):
                 continue
-            new_code, new_item = outcome & _CELL_MASK, (outcome >> _CELL_BITS) & _ITEM_MASK
-            done = outcome >> (_CELL_BITS + _ITEM_BITS)
+            new_code, new_item = outcome & _CELL_MASK, (outcome >> CELL_BITS) & _ITEM_MASK
+            done = outcome >> (CELL_BITS + ITEM_BITS)
             if events is not None:
                 full, wanting = count_pots(row, pots, changed, code_before)
                 useful = new_item == DISH and dish_is_useful(row, num_cells, wanting)

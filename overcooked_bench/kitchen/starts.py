@@ -9,11 +9,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from overcooked_bench.kitchen.batch import CELLS, HELD, POSITION
 from overcooked_bench.kitchen.codes import DISH, ONION, POT_COOKING, POT_IDLE, POT_READY, RECIPES, SOUP, TOMATO
+from overcooked_bench.kitchen.image import paint_kitchen
 from overcooked_bench.kitchen.jit import jit
-from overcooked_bench.kitchen.observations import paint_kitchen
 from overcooked_bench.kitchen.rules import COOK_TIME, FIRST_OF_THREE
-from overcooked_bench.kitchen.state import CELLS, HELD, POSITION
 
 STARTS: Final = ("random", "standard")
 
@@ -90,13 +90,13 @@ def start_kitchens(
         image: See `Batch`.
         stream: See `Batch`.
         mask: (N,) bool.
-        fresh: The layout's tables, see `Plan`, with the six that follow.
-        floor: See `Plan`.
-        allowed: See `Plan`.
-        standard: See `Plan`.
-        pots: See `Plan`.
-        by_code: See `Plan`.
-        background: See `Plan`.
+        fresh: The layout's tables, see `Tables`, with the six that follow.
+        floor: See `Tables`.
+        allowed: See `Tables`.
+        standard: See `Tables`.
+        pots: See `Tables`.
+        by_code: See `Tables`.
+        background: See `Tables`.
         horizon: Steps of an episode, for the urgency plane.
         random: Whether the start cells are drawn: uniform over the ordered pairs of distinct floor cells whose regions
             `Layout.start_regions` allows.
@@ -143,10 +143,10 @@ def fill_kitchens(
         image: See `Batch`.
         stream: See `Batch`.
         mask: (N,) bool.
-        orders: See `Plan`, like the three that follow.
-        pots: See `Plan`.
-        by_code: See `Plan`.
-        background: See `Plan`.
+        orders: See `Tables`, like the three that follow.
+        pots: See `Tables`.
+        by_code: See `Tables`.
+        background: See `Tables`.
         horizon: Steps of an episode.
         object_probability: Chance of each pot and each pair of hands to be filled from the orders.
     """

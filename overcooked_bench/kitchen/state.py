@@ -1,67 +1,10 @@
-"""What a kitchen is at one moment: `Batch`, N kitchens as arrays, and `KitchenState`, one in readable form."""
+"""One kitchen at one moment in readable form: `KitchenState`, and overcooked_ai's JSON form of it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Final, Literal
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any, Literal
 
 from overcooked_bench.kitchen.codes import DIRECTIONS, MAX_INGREDIENTS, Position, Recipe
-
-# Columns of a kitchen's row; the cells follow in row-major order, then the remaining steps of the pots.
-POSITION: Final = 0  # + chef: cell that the chef stands on
-FACING: Final = 2  # + chef: direction the chef looks
-HELD: Final = 4  # + chef: item in the hands
-CELLS: Final = 6  # + cell: code of the cell, tile and content together (codes.py)
-
-
-class Batch:
-    """N kitchens of one layout; C cells, P pots.
-
-    All that a step changes lies in one row of small numbers a kitchen, since every further array costs a call of a
-    compiled kernel more than the work in it; the properties are views into the rows.
-
-    Attributes:
-        rows: (N, 6 + C + P) uint16  chefs, cells and pots
-        clock: (N,) int64  steps since the start
-        image: (N, 26 * C) uint8  lossless encoding, channel by channel, with the chefs' own channels 0 to 9 left empty;
-            it follows from the rest, and is kept up to date cell by cell
-        stream: (N, 2) uint64  key of the kitchen's random stream, numbers drawn from it so far
-    """
-
-    def __init__(self, num_kitchens: int, num_cells: int, num_pots: int) -> None:
-        self._num_cells = num_cells
-        self.rows: NDArray[np.uint16] = np.zeros((num_kitchens, CELLS + num_cells + num_pots), np.uint16)
-        self.clock: NDArray[np.int64] = np.zeros(num_kitchens, np.int64)
-        self.image: NDArray[np.uint8] = np.zeros((num_kitchens, 26 * num_cells), np.uint8)
-        self.stream: NDArray[np.uint64] = np.zeros((num_kitchens, 2), np.uint64)
-
-    @property
-    def position(self) -> NDArray[np.uint16]:
-        """Cell that each chef stands on, (N, 2)."""
-        return self.rows[:, POSITION:FACING]
-
-    @property
-    def facing(self) -> NDArray[np.uint16]:
-        """Direction each chef looks, (N, 2)."""
-        return self.rows[:, FACING:HELD]
-
-    @property
-    def held(self) -> NDArray[np.uint16]:
-        """Item in each chef's hands, (N, 2)."""
-        return self.rows[:, HELD:CELLS]
-
-    @property
-    def cells(self) -> NDArray[np.uint16]:
-        """Code of each cell, (N, C)."""
-        return self.rows[:, CELLS : CELLS + self._num_cells]
-
-    @property
-    def remaining(self) -> NDArray[np.uint16]:
-        """Steps until a cooking pot is ready, 0 for other pots, (N, P)."""
-        return self.rows[:, CELLS + self._num_cells :]
-
 
 FACINGS = ("north", "south", "east", "west")
 

@@ -14,7 +14,7 @@ from overcooked_bench.agents.catalogue import find
 from overcooked_bench.agents.mirror import mirrored
 from overcooked_bench.agents.submissions.checks import AgentError, check_actions, check_agent
 from overcooked_bench.agents.threads import one_thread
-from overcooked_bench.kitchen.kitchens import HISTORY, STACKED
+from overcooked_bench.kitchen.observations.registry import history_for
 from overcooked_bench.scenarios.errors import ScenarioFault
 from overcooked_bench.scenarios.items import Item, Select, load_items
 from overcooked_bench.scenarios.judge import Run, replay
@@ -315,7 +315,7 @@ def _ways(make_agent: AgentFactory, situation: Situation, seed: int) -> "Iterato
 
 def _perform(agent: "Agent", parts: Sequence[Part], seeds: NDArray[np.uint64], repeats: int, warmup: int) -> Stage:
     """Plays all runs to their verdicts."""
-    stage = Stage(parts, repeats, HISTORY if agent.observation in STACKED else 0)
+    stage = Stage(parts, repeats, history_for([agent.observation]))
     layout = stage.kitchens.layout
     with _Blame(agent, "reset", stage):
         agent.reset(layout.name, stage.seats.copy(), seeds)

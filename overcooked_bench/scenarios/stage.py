@@ -93,7 +93,7 @@ class Stage:
         self.actions[self.step] = joint
         truncated = self.kitchens.step(joint).truncated
         counted = self.step >= self._preludes
-        gained = count_step(self._counters, self.seats, self.kitchens.plan, before, self.kitchens.batch.rows, joint)
+        gained = count_step(self._counters, self.seats, self.kitchens.tables, before, self.kitchens.batch.rows, joint)
         self._counts += np.where(counted[:, None], gained, 0)
         self.step += 1
         self._judge()

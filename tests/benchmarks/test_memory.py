@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from overcooked_bench import Kitchens
-from overcooked_bench.kitchen.kitchens import OBSERVATIONS
+from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
 from tests.benchmarks.fresh import MEMORY, run
 
 N, LAYOUT, MEGABYTES = 4096, "counter_circuit", 1e6

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from overcooked_bench import parallel_env
-from overcooked_bench.kitchen.kitchens import OBSERVATIONS
 from overcooked_bench.kitchen.layout import layout_names
+from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
 from overcooked_bench.kitchen.state import Chef, KitchenState, Soup
 
 with warnings.catch_warnings():  # on import, PettingZoo's tests warn of an example that they load themselves

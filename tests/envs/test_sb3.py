@@ -7,7 +7,7 @@ from stable_baselines3.common.monitor import Monitor
 
 from overcooked_bench import Chef, Kitchens, KitchenState, Soup
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
-from overcooked_bench.kitchen.kitchens import OBSERVATIONS
+from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
 from tests.envs.players import TOMATO_KITCHEN, Answers, Wanderer
 from tests.kitchen.strategies import joint_actions
 

@@ -7,8 +7,8 @@ from gymnasium.wrappers import RecordEpisodeStatistics
 from overcooked_bench import Kitchens, Layout
 from overcooked_bench.envs.registration import CUSTOM_ID, env_id
 from overcooked_bench.envs.single import OvercookedEnv
-from overcooked_bench.kitchen.kitchens import OBSERVATIONS
 from overcooked_bench.kitchen.layout import layout_names
+from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
 from overcooked_bench.kitchen.state import Chef, KitchenState, Soup
 from tests.envs.players import TOMATO_KITCHEN, Answers, Wanderer
 
@@ -179,7 +179,7 @@ def test_gymnasium_records_the_statistics_of_an_episode():
     ("options", "message"),
     [
         ({"seat": 2}, r"seat=2; give 0, 1, or 'random'"),
-        ({"observation": "pixels"}, "no observation named 'pixels'; choose one of lossless,"),
+        ({"observation": "pixels"}, "no observation named 'pixels'; choose one of features,"),
         ({"cooking": "raw"}, "cooking"),
         ({"start": "here"}, "start='here'; give 'random' or 'standard'"),
         ({"horizon": 0}, "horizon=0; give a whole number of steps from 1"),
@@ -187,7 +187,7 @@ def test_gymnasium_records_the_statistics_of_an_episode():
         ({"render_mode": "video"}, "render_mode='video'; give 'rgb_array', 'ansi' or None"),
         ({"render_mode": "human"}, "gymnasium.make"),
         ({"layout": "crampd_room"}, "did you mean 'cramped_room'"),
-        ({"partner": Wanderer("pixels")}, "partner Wanderer has observation='pixels'; choose one of lossless"),
+        ({"partner": Wanderer("pixels")}, "partner Wanderer has observation='pixels'; choose one of features"),
         ({"layout": TOMATO_KITCHEN}, "'lossless' has no tomato channels.*use 'lossless26'"),
         (
             {"layout": TOMATO_KITCHEN, "observation": "lossless26", "partner": Wanderer("lossless")},

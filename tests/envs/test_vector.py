@@ -6,7 +6,7 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.wrappers.vector import RecordEpisodeStatistics
 
 from overcooked_bench.envs.vector import OvercookedVectorEnv
-from overcooked_bench.kitchen.kitchens import OBSERVATIONS
+from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
 from tests.envs.players import TOMATO_KITCHEN, Answers, Wanderer
 
 NUM = 4

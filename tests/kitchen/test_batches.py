@@ -113,7 +113,7 @@ def test_wrong_actions_are_refused_and_nothing_is_played(actions, message):
         ({"horizon": 0}, "horizon=0; give a whole number of steps from 1"),
         ({"start": "anywhere"}, "start='anywhere'; give 'random' or 'standard'"),
         ({"object_probability": 1.5}, "object_probability=1.5; give a probability"),
-        ({"history": 2}, "history=2; give 0 or 3"),
+        ({"history": -1}, "history=-1; give how many past states to keep"),
         ({"cooking": "slow"}, "cooking='slow'; choose one of 'auto', 'manual'"),
     ],
 )

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.agents.planner.tables import DISH, FAR, ONION, TOMATO
+from overcooked_bench.kitchen.image import CHANNELS
 from overcooked_bench.kitchen.jit import jit
-from overcooked_bench.kitchen.observations import CHANNELS
 
 Facts = NDArray[np.int64]
 Table = NDArray[np.int64]

@@ -59,8 +59,8 @@ from overcooked_bench.agents.planner.tables import (
     WAITING,
     LayoutTables,
 )
+from overcooked_bench.kitchen.image import CHANNELS
 from overcooked_bench.kitchen.jit import jit
-from overcooked_bench.kitchen.observations import CHANNELS
 
 _LATE: Final = FAR // 2  # steps left of a soup that waits to be started
 _FULLER: Final = 2  # steps of a way that an ingredient less to bring is worth

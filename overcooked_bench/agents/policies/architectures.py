@@ -28,14 +28,14 @@ class Architecture(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     """What every architecture tells about its policy; subclasses add their network.
 
     Attributes:
-        observation: What the policy sees, a name of `Kitchens.observe`.
+        observation: What the policy sees, a name of `kitchen.observations.registry.OBSERVATIONS`.
         observation_shape: Shape of one such observation, channels first.
         layout: The layout it was trained on, as agents are told it.
         cooking: The cooking mode it was trained under.
         format: Version of this file format.
     """
 
-    observation: Literal["lossless", "lossless26", "features", "stack_channels", "stack_states"]
+    observation: str
     observation_shape: tuple[int, ...]
     layout: str
     cooking: Literal["auto", "manual"]
@@ -131,9 +131,9 @@ class Mlp(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
 class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="cnn"):
     """Three convolutions over the grid, then fully connected layers; leaky ReLU of slope 0.01, torch's own, after each.
 
-    With `stack_states` all four states pass the same convolutions. The three older ones then pass one small layer,
-    which they share and the current state does not pass; the current state's values and those of the older ones,
-    newest first, are joined.
+    Where past states are stacked (`stack_states`), all states pass the same convolutions. The older ones then pass one
+    small layer, which they share and the current state does not pass; the current state's values and those of the
+    older ones, newest first, are joined.
 
     Source: Carroll et al. 2019, appendix A (convolutions 5x5, 3x3 and 3x3, the last without padding); thesis, 7.4
     (the small layer). Neither says the slope or the small layer's width.
@@ -141,7 +141,7 @@ class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
     Attributes:
         filters: Of each convolution.
         hidden: Width of each fully connected layer.
-        previous: Width of the small layer, 16 in the baselines; 0 where the observation is not `stack_states`.
+        previous: Width of the small layer, 16 in the baselines; 0 where no past states are stacked.
     """
 
     filters: int = 25
@@ -156,18 +156,18 @@ class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
         """
         Architecture.__post_init__(self)
         _check_hidden(self.hidden)
-        shape, stacked = self.observation_shape, self.observation == "stack_states"
-        if len(shape) != 3 + stacked or min(shape[-2:]) < 3:
+        shape, stacked = self.observation_shape, len(self.observation_shape) == 4
+        if len(shape) not in (3, 4) or min(shape[-2:]) < 3:
             raise ValueError(
                 f"observation_shape is {list(shape)}; convolutions need a grid of at least 3x3: "
-                f"{'[states, channels, height, width]' if stacked else '[channels, height, width]'}"
+                "[channels, height, width], or [states, channels, height, width]"
             )
         if self.filters < 1:
             raise ValueError(f"filters is {self.filters}; give a number from 1")
         if (self.previous >= 1) != stacked or self.previous < 0:
             raise ValueError(
                 f"previous is {self.previous} with {self.observation!r}; "
-                "give a width from 1, such as 16, with 'stack_states', and 0 with others"
+                "give a width from 1, such as 16, where past states are stacked, and 0 with others"
             )
 
     def tensor_shapes(self) -> dict[str, tuple[int, ...]]:

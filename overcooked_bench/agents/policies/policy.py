@@ -158,8 +158,7 @@ def _read_architecture(file: Path) -> Architecture:
 
 
 def _check_architecture(architecture: Architecture, file: Path) -> None:
-    from overcooked_bench.kitchen.features import NUM_FEATURES
-    from overcooked_bench.kitchen.kitchens import GRID_PLANES
+    from overcooked_bench.kitchen.observations.registry import find_observation
 
     if _count(architecture) > MOST_WEIGHTS:
         raise PolicyError(f"{file}: {_count(architecture)} weights; at most {MOST_WEIGHTS} are supported")
@@ -168,7 +167,10 @@ def _check_architecture(architecture: Architecture, file: Path) -> None:
     except LayoutError as error:
         raise PolicyError(f"{file}: the entry 'layout': {error}") from None
     name = architecture.observation
-    expected = (NUM_FEATURES,) if name == "features" else (*GRID_PLANES[name], layout.height, layout.width)
+    try:
+        expected = find_observation(name).shape(layout)
+    except WrongUse as error:
+        raise PolicyError(f"{file}: the entry 'observation': {error}") from None
     if architecture.observation_shape != expected:
         raise PolicyError(
             f"{file}: observation_shape is {list(architecture.observation_shape)}; "

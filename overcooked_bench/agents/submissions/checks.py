@@ -1,15 +1,12 @@
 """What is asked of agents that others wrote: that they keep the contract, and that a fault is named exactly."""
 
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
-
-KNOWN_OBSERVATIONS: Final = ("lossless", "lossless26", "features", "stack_channels", "stack_states", "state")
-"""What an agent may ask to see."""
 
 
 class AgentError(WrongUse):
@@ -33,11 +30,11 @@ def check_agent(agent: Any, where: str) -> None:
             f"{where}: {agent!r} {lacks}; an agent is an object with `observation`, reset(layout, seats, seeds) and "
             "act(observations)"
         )
-    observation = getattr(agent, "observation", None)
-    if not isinstance(observation, str) or observation not in KNOWN_OBSERVATIONS:
-        raise AgentError(
-            f"{where}: the agent's observation is {observation!r}; choose one of {', '.join(KNOWN_OBSERVATIONS)}"
-        )
+    from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
+
+    observation, known = getattr(agent, "observation", None), (*OBSERVATIONS, "state")
+    if not isinstance(observation, str) or observation not in known:
+        raise AgentError(f"{where}: the agent's observation is {observation!r}; choose one of {', '.join(known)}")
 
 
 def check_actions(actions: Any, batch: int, where: str) -> NDArray[np.int64]:

@@ -15,8 +15,9 @@ from overcooked_bench.agents.submissions.checks import AgentError, check_actions
 from overcooked_bench.errors import AgentFault
 from overcooked_bench.evaluation.games.streams import stream_key
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
-from overcooked_bench.kitchen.kitchens import HISTORY, STACKED, Kitchens, StepResult
+from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
 from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.observations.registry import history_for
 from overcooked_bench.kitchen.state import KitchenState
 
 if TYPE_CHECKING:
@@ -134,8 +135,7 @@ def play_episodes(
 
 def make_kitchens(layout: str | Path | Layout, rows: int, parties: Sequence[Party], **settings: Any) -> Kitchens:
     """Makes kitchens for these agents: with a memory where one of them looks back."""
-    looks_back = any(party.agent.observation in STACKED for party in parties)
-    return Kitchens(layout, rows, history=HISTORY if looks_back else 0, **settings)
+    return Kitchens(layout, rows, history=history_for(party.agent.observation for party in parties), **settings)
 
 
 def play(

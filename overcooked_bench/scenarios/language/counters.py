@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from overcooked_bench.kitchen.batch import CELLS, FACING, HELD, POSITION
 from overcooked_bench.kitchen.codes import (
     DISH,
     FLOOR,
@@ -22,10 +23,9 @@ from overcooked_bench.kitchen.codes import (
     STAY,
     TOMATO,
 )
-from overcooked_bench.kitchen.state import CELLS, FACING, HELD, POSITION
 
 if TYPE_CHECKING:
-    from overcooked_bench.kitchen.rules import Plan
+    from overcooked_bench.kitchen.tables import Tables
 
 ITEMS: Final = {"nothing": NOTHING, "onion": ONION, "tomato": TOMATO, "dish": DISH, "soup": SOUP + 1}
 """Things by name; every soup counts as the code after SOUP."""
@@ -35,7 +35,7 @@ EVENTS: Final = ("pot", "plate", "serve", "pick", "drop")
 counter, put on a counter."""
 
 _POT, _PLATE, _SERVE, _PICK, _DROP = range(1, len(EVENTS) + 1)
-_AHEAD, _WANTED = 0, 4  # columns of Plan.ways
+_AHEAD, _WANTED = 0, 4  # columns of Tables.ways
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def kinds(items: NDArray[np.uint16]) -> NDArray[np.uint16]:
 def count_step(
     counters: Sequence[Counter],
     seats: NDArray[np.int64],
-    plan: "Plan",
+    tables: "Tables",
     before: NDArray[np.uint16],
     after: NDArray[np.uint16],
     actions: NDArray[np.int64],
@@ -83,7 +83,7 @@ def count_step(
     Args:
         counters: K of them.
         seats: (N,) int64, the seat of chef A in each kitchen.
-        plan: The kitchens' tables.
+        tables: The kitchens' tables.
         before: (N, ...) rows of the batch before the step.
         after: (N, ...) rows after it.
         actions: (N, 2) int64 the joint actions.
@@ -94,31 +94,31 @@ def count_step(
     increments = np.zeros((len(before), len(counters)), np.int64)
     if not counters:
         return increments
-    what, things, ahead = _events(plan, before, after, actions)
+    what, things, ahead = _events(tables, before, after, actions)
     for k, counter in enumerate(counters):
         if counter.event == "score":
-            increments[:, k] = np.where(what == _SERVE, plan.payments[0][before[:, HELD:CELLS]], 0).sum(axis=1)
+            increments[:, k] = np.where(what == _SERVE, tables.payments[0][before[:, HELD:CELLS]], 0).sum(axis=1)
             continue
         chef = (seats if counter.chef == "A" else 1 - seats)[:, None]
         if counter.event == "blocked":
-            increments[:, k] = np.take_along_axis(_blocked(plan, before, after, actions), chef, axis=1)[:, 0]
+            increments[:, k] = np.take_along_axis(_blocked(tables, before, after, actions), chef, axis=1)[:, 0]
             continue
         hit = what == EVENTS.index(counter.event) + 1
         if counter.item is not None:
             hit = hit & (things == ITEMS[counter.item])
         if counter.at is not None:
-            hit = hit & (ahead == plan.pots[counter.at - 1])
+            hit = hit & (ahead == tables.pots[counter.at - 1])
         increments[:, k] = np.take_along_axis(hit, chef, axis=1)[:, 0]
     return increments
 
 
 def _events(
-    plan: "Plan", before: NDArray[np.uint16], after: NDArray[np.uint16], actions: NDArray[np.int64]
+    tables: "Tables", before: NDArray[np.uint16], after: NDArray[np.uint16], actions: NDArray[np.int64]
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint16], NDArray[np.uint16]]:
     """Gives (N, 2) what each chef did (0 for nothing), with which thing, and the cell that it faced."""
-    ahead = plan.ways[before[:, POSITION:FACING], _AHEAD + before[:, FACING:HELD]]
+    ahead = tables.ways[before[:, POSITION:FACING], _AHEAD + before[:, FACING:HELD]]
     had, has = kinds(before[:, HELD:CELLS]), kinds(after[:, HELD:CELLS])
-    tile = plan.fresh[ahead]
+    tile = tables.fresh[ahead]
     gave, took = (had != NOTHING) & (has == NOTHING), (had == NOTHING) & (has != NOTHING)
     what = np.zeros(had.shape, np.uint8)
     what[took] = _PICK
@@ -131,9 +131,9 @@ def _events(
 
 
 def _blocked(
-    plan: "Plan", before: NDArray[np.uint16], after: NDArray[np.uint16], actions: NDArray[np.int64]
+    tables: "Tables", before: NDArray[np.uint16], after: NDArray[np.uint16], actions: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
     """Tells (N, 2) who wanted to walk to another floor cell and did not get there."""
     here, there = before[:, POSITION:FACING], after[:, POSITION:FACING]
-    wanted = plan.ways[here, _WANTED + actions]
-    return np.asarray((actions < STAY) & (wanted != here) & (there == here) & (plan.fresh[wanted] == FLOOR))
+    wanted = tables.ways[here, _WANTED + actions]
+    return np.asarray((actions < STAY) & (wanted != here) & (there == here) & (tables.fresh[wanted] == FLOOR))

@@ -12,6 +12,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from overcooked_bench.kitchen.batch import CELLS, HELD, POSITION
 from overcooked_bench.kitchen.codes import (
     COUNTER,
     NUM_CELL_CODES,
@@ -22,7 +23,6 @@ from overcooked_bench.kitchen.codes import (
     pot_recipe,
 )
 from overcooked_bench.kitchen.layout import Layout
-from overcooked_bench.kitchen.state import CELLS, HELD, POSITION
 from overcooked_bench.scenarios.language.counters import ITEMS, Counter, kinds
 
 OPERATORS: Final = {"==": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge}

@@ -123,7 +123,7 @@ class _World(Search):
         for joint in situation.before:
             row, _ = self.step(row, counts, joint)
         self.start = row, counts
-        self._asked = _Answers(self._partner, self._layout, self._plan, 1 - self._seat, self._scratch)
+        self._asked = _Answers(self._partner, self._layout, self._tables, 1 - self._seat, self._scratch)
 
     def children(self, states: _States, t: int) -> _States:
         """Gives what comes of all six actions in N states: N x 6 states."""

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from overcooked_bench.kitchen.batch import CELLS, FACING, HELD, POSITION, Batch
 from overcooked_bench.kitchen.codes import COUNTER, NUM_ACTIONS, POT_IDLE
 from overcooked_bench.kitchen.convert import read_state, write_state
 from overcooked_bench.kitchen.layout import Layout
-from overcooked_bench.kitchen.rules import Plan, compile_plan, step_kitchens
-from overcooked_bench.kitchen.state import CELLS, FACING, HELD, POSITION, Batch, KitchenState
+from overcooked_bench.kitchen.rules import step_kitchens
+from overcooked_bench.kitchen.state import KitchenState
+from overcooked_bench.kitchen.tables import Tables, compile_tables
 from overcooked_bench.scenarios.language.counters import Counter, count_step
 from overcooked_bench.scenarios.language.terms import Condition, Moment
 
@@ -70,23 +72,23 @@ class Search:
         limits: Mapping[Counter, int],
     ) -> None:
         self._layout, self._seat, self._accept, self._never = layout, seat, accept, never
-        self._plan = _plan(layout, cooking)
+        self._tables = _compiled(layout, cooking)
         self._counters = tuple(limits)
         self._limits = np.array([limits[counter] for counter in self._counters], np.uint16)
-        self._columns = len(self._plan.fresh) + CELLS + len(self._plan.pots)
-        alters = (self._plan.fresh == POT_IDLE) | (self._plan.fresh == COUNTER)
-        self._places = np.flatnonzero(self._plan.fresh == COUNTER)
-        everywhere = np.concatenate([np.ones(CELLS, np.bool_), alters, np.ones(len(self._plan.pots), np.bool_)])
+        self._columns = len(self._tables.fresh) + CELLS + len(self._tables.pots)
+        alters = (self._tables.fresh == POT_IDLE) | (self._tables.fresh == COUNTER)
+        self._places = np.flatnonzero(self._tables.fresh == COUNTER)
+        everywhere = np.concatenate([np.ones(CELLS, np.bool_), alters, np.ones(len(self._tables.pots), np.bool_)])
         self._changing = np.flatnonzero(everywhere)
-        greatest = max([len(self._plan.fresh), *limits.values()])
+        greatest = max([len(self._tables.fresh), *limits.values()])
         self._small = np.uint8 if greatest <= _BYTE else np.uint16
-        self._scratch = Batch(1, len(self._plan.fresh), len(self._plan.pots))
-        self._desk = _Desk(self._plan)
+        self._scratch = Batch(1, len(self._tables.fresh), len(self._tables.pots))
+        self._desk = _Desk(self._tables)
         self._answers: dict[Behaviour, _Answers] = {}
 
     def row(self, state: KitchenState) -> _Rows:
         """Gives a state as a kitchen's row, (R,)."""
-        write_state(self._scratch, self._plan, self._layout, 0, state, ENDLESS)
+        write_state(self._scratch, self._tables, self._layout, 0, state, ENDLESS)
         row: _Rows = self._scratch.rows[0].copy()
         return row
 
@@ -107,7 +109,7 @@ class Search:
     def answer(self, row: _Rows, partner: "Behaviour", t: int) -> int:
         """Asks a partner what it does in a state, (R,)."""
         self._scratch.rows[0] = row
-        state = read_state(self._scratch, self._plan, self._layout, 0)
+        state = read_state(self._scratch, self._tables, self._layout, 0)
         return partner.act(self._layout, state, 1 - self._seat, t)
 
     def no_counts(self) -> _Rows:
@@ -156,7 +158,7 @@ class Search:
         things = self._columns if clutter is None else int(self._things(rows)[0]) + clutter
         answers = self._answers.get(partner)
         if answers is None:
-            answers = _Answers(partner, self._layout, self._plan, 1 - self._seat, self._scratch)
+            answers = _Answers(partner, self._layout, self._tables, 1 - self._seat, self._scratch)
             self._answers[partner] = answers
         seen = set(self._keys(rows, counted, partner.phase(t)))
         layers: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
@@ -220,7 +222,7 @@ class Search:
         if not self._counters:
             return counts
         seats = np.full(len(before), self._seat)
-        brought = count_step(self._counters, seats, self._plan, before, after, actions)
+        brought = count_step(self._counters, seats, self._tables, before, after, actions)
         return np.minimum(counts + brought.astype(np.uint16), self._limits)
 
     def _things(self, rows: _Rows) -> NDArray[np.int64]:
@@ -243,10 +245,10 @@ class Search:
 class _Desk:
     """Steps many kitchens at once, with the arrays that the shipped step wants besides the rows."""
 
-    def __init__(self, plan: Plan) -> None:
-        self._tables = (plan.ways, plan.outcomes, plan.by_code, plan.payments, plan.pots)
+    def __init__(self, tables: Tables) -> None:
+        self._tables = (tables.ways, tables.outcomes, tables.by_code, tables.payments, tables.pots)
         self._room = 0
-        self._cells = len(plan.fresh)
+        self._cells = len(tables.fresh)
 
     def step(self, rows: _Rows, actions: NDArray[np.int64]) -> _Rows:
         """Gives (N, R) what comes of (N, R) kitchens by (N, 2) joint actions."""
@@ -268,8 +270,8 @@ class _Desk:
 class _Answers:
     """What a partner does in each state of a layer; asked once for all states that look the same to it."""
 
-    def __init__(self, partner: "Behaviour", layout: Layout, plan: Plan, seat: int, scratch: Batch) -> None:
-        self._partner, self._layout, self._plan, self._seat, self._scratch = partner, layout, plan, seat, scratch
+    def __init__(self, partner: "Behaviour", layout: Layout, tables: Tables, seat: int, scratch: Batch) -> None:
+        self._partner, self._layout, self._tables, self._seat, self._scratch = partner, layout, tables, seat, scratch
         sight, width = partner.sight, layout.width
         seen = {POSITION + seat, FACING + seat, HELD + seat}
         seen |= {POSITION + 1 - seat} if sight.mate else set()
@@ -286,7 +288,7 @@ class _Answers:
         for i, key in enumerate(keys):
             if (phase, key) not in self._known:
                 self._scratch.rows[0] = rows[i]
-                state = read_state(self._scratch, self._plan, self._layout, 0)
+                state = read_state(self._scratch, self._tables, self._layout, 0)
                 self._known[phase, key] = self._partner.act(self._layout, state, self._seat, t)
         answers = [self._known[phase, key] for key in keys]
         joint = np.empty((len(rows) * NUM_ACTIONS, 2), np.int64)
@@ -313,5 +315,5 @@ def _trace(layers: list[tuple[NDArray[np.int64], NDArray[np.int64]]], number: in
 
 
 @lru_cache(64)
-def _plan(layout: Layout, cooking: str) -> Plan:
-    return compile_plan(layout, cooking)
+def _compiled(layout: Layout, cooking: str) -> Tables:
+    return compile_tables(layout, cooking)

@@ -13,13 +13,17 @@ from hypothesis import strategies as st
 from overcooked_bench.agents.policies.architectures import ARCHITECTURES, Cnn
 from overcooked_bench.agents.policies.neural import NeuralAgent, PolicyStack
 from overcooked_bench.agents.policies.policy import PolicyError, load_policy, save_policy
-from overcooked_bench.kitchen.kitchens import GRID_PLANES, Kitchens
+from overcooked_bench.kitchen.kitchens import Kitchens
+from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.observations.grid import Grid
+from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
 from tests.agents.made import random_weights, small_cnn, small_mlp
 
 GRIDS = {
     "cramped_room": (4, 5),
     "counter_circuit": (5, 8),
 }
+SHAPED = [name for name, observation in OBSERVATIONS.items() if isinstance(observation, Grid)]
 
 
 def leaky(x):
@@ -75,9 +79,9 @@ def policies_of(folder, architecture, count=3):
 
 
 @pytest.mark.parametrize("layout", GRIDS)
-@pytest.mark.parametrize("observation", GRID_PLANES)
+@pytest.mark.parametrize("observation", SHAPED)
 def test_convolutions_are_those_of_the_paper(tmp_path, layout, observation):
-    architecture = small_cnn(observation, layout, (*GRID_PLANES[observation], *GRIDS[layout]))
+    architecture = small_cnn(observation, layout, OBSERVATIONS[observation].shape(Layout.load(layout)))
     policies, rows = policies_of(tmp_path, architecture), np.array([2, 0, 0, 1])
     observations = shown(layout, observation, len(rows))
     chances = PolicyStack(policies).assign(rows).probabilities(observations)
@@ -158,8 +162,8 @@ def test_convolutions_play_a_kitchen(tmp_path):
     [
         ("lossless", {"observation": "features", "observation_shape": [96]}, "need a grid of at least 3x3"),
         ("lossless", {"observation_shape": [22, 2, 5]}, "need a grid of at least 3x3"),
-        ("lossless", {"observation_shape": [4, 22, 4, 5]}, r"\[channels, height, width\]"),
-        ("stack_states", {"observation_shape": [22, 4, 5]}, r"\[states, channels, height, width\]"),
+        ("lossless", {"observation_shape": [1, 4, 22, 4, 5]}, r"\[channels, height, width\]"),
+        ("stack_states", {"observation_shape": [4, 5]}, r"\[states, channels, height, width\]"),
         ("lossless", {"filters": 0}, "filters is 0"),
         ("lossless", {"filters": 10**6}, "at most"),
         ("lossless", {"previous": 4}, "0 with others"),
@@ -175,7 +179,7 @@ def test_convolutions_play_a_kitchen(tmp_path):
     ids=str,
 )
 def test_a_wrong_description_is_refused(tmp_path, observation, change, message):
-    architecture = small_cnn(observation, "cramped_room", (*GRID_PLANES[observation], 4, 5))
+    architecture = small_cnn(observation, "cramped_room", OBSERVATIONS[observation].shape(Layout.load("cramped_room")))
     files = save_policy(tmp_path / "cnn", architecture, random_weights(architecture, 0))
     files.architecture.write_text(json.dumps(json.loads(files.architecture.read_text()) | change))
     with pytest.raises(PolicyError, match=message):

@@ -4,11 +4,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overcooked_bench import Kitchens, Layout
-from overcooked_bench.baselines.learning.inputs import live_inputs, observed_channels
-from overcooked_bench.kitchen.kitchens import GRID_PLANES
-from overcooked_bench.kitchen.observations import URGENCY
+from overcooked_bench.kitchen.image import URGENCY
+from overcooked_bench.kitchen.observations.grid import Grid
+from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
 from tests.kitchen.strategies import COOKING, SEEDS, joint_actions, law, layouts
 
+GRIDS = [name for name, observation in OBSERVATIONS.items() if isinstance(observation, Grid)]
 KITCHENS, HORIZON = 3, 55  # the last 40 steps are urgent
 
 
@@ -17,16 +18,16 @@ KITCHENS, HORIZON = 3, 55  # the last 40 steps are urgent
 def test_all_other_inputs_stay_as_they_are_whatever_is_played(data, cooking, seed, probability):
     tomatoes = data.draw(st.booleans(), "tomatoes")
     layout = data.draw(layouts(cooking, tomatoes), "layout")
-    observation = data.draw(st.sampled_from(["lossless26"] if layout.has_tomatoes else sorted(GRID_PLANES)))
+    observation = data.draw(st.sampled_from(["lossless26"] if layout.has_tomatoes else GRIDS))
     kitchens = Kitchens(layout, KITCHENS, cooking=cooking, horizon=HORIZON, object_probability=probability, history=3)
-    live = live_inputs(layout, observation)
+    live = OBSERVATIONS[observation].live(layout).places
     kitchens.reset(seed=seed)
     seen = [kitchens.observe(observation)]
     for actions in joint_actions(seed, HORIZON + 5, KITCHENS):
         kitchens.step(actions)
         seen.append(kitchens.observe(observation))
     flat = np.stack(seen).reshape(-1, np.prod(kitchens.observation_shape(observation)))  # (views, inputs)
-    planes = np.array(observed_channels(observation)).repeat(layout.width * layout.height)
+    planes = np.array(OBSERVATIONS[observation].channels).repeat(layout.width * layout.height)
     changing = set(np.flatnonzero((flat != flat[0]).any(0)).tolist())
     urgent = set(np.flatnonzero(planes == URGENCY).tolist())
     assert changing - urgent <= set(live.tolist())
@@ -35,13 +36,13 @@ def test_all_other_inputs_stay_as_they_are_whatever_is_played(data, cooking, see
         assert (plane == plane[:, :1]).all()
 
 
-@pytest.mark.parametrize("observation", GRID_PLANES)
+@pytest.mark.parametrize("observation", GRIDS)
 def test_each_input_once_in_order_and_one_of_each_urgency_plane(observation):
     layout = Layout.load("counter_circuit")
-    live = live_inputs(layout, observation)
+    live = OBSERVATIONS[observation].live(layout).places
     area = layout.width * layout.height
-    channels = np.array(observed_channels(observation))
-    assert len(channels) == np.prod(GRID_PLANES[observation])
+    channels = np.array(OBSERVATIONS[observation].channels)
+    assert len(channels) * area == np.prod(OBSERVATIONS[observation].shape(layout))
     assert (np.diff(live) > 0).all()
     assert 0 <= live.min() <= live.max() < len(channels) * area
     assert [int((channels[live // area] == URGENCY).sum())] == [int((channels == URGENCY).sum())]
@@ -50,7 +51,7 @@ def test_each_input_once_in_order_and_one_of_each_urgency_plane(observation):
 def test_what_is_live_in_a_cramped_room():
     """Six cells of floor, nine counters of which five can be faced, one pot."""
     layout = Layout.load("cramped_room")
-    cells = np.bincount(live_inputs(layout, "lossless26") // 20, minlength=26).tolist()
+    cells = np.bincount(OBSERVATIONS["lossless26"].live(layout).places // 20, minlength=26).tolist()
     chefs, tiles, things = [6] * 10, [0] * 6, 6 + 5
     in_pot, in_soup = [1, 1], [things + 1] * 2
     assert cells == [*chefs, *tiles, *in_pot, *in_soup, 1, things + 1, *[things] * 3, 1]

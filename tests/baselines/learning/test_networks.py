@@ -8,11 +8,13 @@ from overcooked_bench.agents.policies.policy import load_policy
 from overcooked_bench.baselines.learning.freeze import freeze
 from overcooked_bench.baselines.learning.inputs import spreader
 from overcooked_bench.baselines.learning.networks import CnnTrunk, Trunk, TrunkPolicy
-from overcooked_bench.kitchen.kitchens import GRID_PLANES
+from overcooked_bench.kitchen.observations.grid import Grid
+from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
 from tests.baselines.tiny import tiny, tiny_learner
 from tests.kitchen.strategies import joint_actions
 
 NETWORKS = ("mlp", "cnn")
+GRIDS = [name for name, observation in OBSERVATIONS.items() if isinstance(observation, Grid)]
 
 
 def seen_in_play(observation, layout="coordination_ring"):
@@ -36,7 +38,7 @@ def opinionated_learner(config):
 
 
 @pytest.mark.parametrize("network", NETWORKS)
-@pytest.mark.parametrize("observation", GRID_PLANES)
+@pytest.mark.parametrize("observation", GRIDS)
 def test_the_frozen_actor_is_the_learners_policy(observation, network, tmp_path):
     config = tiny(layout="coordination_ring", observation=observation, network=network, hidden=(16, 12), previous=5)
     model = opinionated_learner(config)
@@ -53,7 +55,7 @@ def test_the_frozen_actor_is_the_learners_policy(observation, network, tmp_path)
     np.testing.assert_allclose(ours, theirs, atol=1e-4)
 
 
-@pytest.mark.parametrize("observation", GRID_PLANES)
+@pytest.mark.parametrize("observation", GRIDS)
 def test_the_first_convolution_is_the_one_over_the_whole_picture(observation):
     """Against torch's own convolutions; on a layout that is not square."""
     policy = opinionated_learner(tiny(layout="cramped_room", observation=observation, network="cnn")).policy
@@ -70,7 +72,7 @@ def test_the_first_convolution_is_the_one_over_the_whole_picture(observation):
     torch.testing.assert_close(ours, x.flatten(1), atol=1e-4, rtol=1e-4)
 
 
-@pytest.mark.parametrize("observation", GRID_PLANES)
+@pytest.mark.parametrize("observation", GRIDS)
 def test_whole_observations_come_back_out_of_compact_ones(observation):
     views = seen_in_play(observation)
     config = tiny(layout="coordination_ring", observation=observation)

@@ -17,7 +17,7 @@ def counted(counters, chef, objects=None, action=INTERACT, mate=None, mate_actio
     before = kitchens.batch.rows.copy()
     joint = np.array([[action, mate_action] if seat == 0 else [mate_action, action]])
     kitchens.step(joint)
-    return count_step(counters, np.array([seat]), kitchens.plan, before, kitchens.batch.rows, joint)[0].tolist()
+    return count_step(counters, np.array([seat]), kitchens.tables, before, kitchens.batch.rows, joint)[0].tolist()
 
 
 EVENTS = {

@@ -4,11 +4,13 @@ Source: overcooked_ai (`OvercookedGridworld.featurize_state`, two pot slots, cou
 The order of the soup counts is the code's, not the one of its docstring (public issue #165).
 """
 
-from typing import Final
+from collections.abc import Sequence
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from overcooked_bench.kitchen.batch import CELLS, FACING, HELD, POSITION, Batch
 from overcooked_bench.kitchen.codes import (
     DISH,
     FLOOR,
@@ -23,10 +25,12 @@ from overcooked_bench.kitchen.codes import (
 )
 from overcooked_bench.kitchen.jit import jit
 from overcooked_bench.kitchen.layout import Layout
-from overcooked_bench.kitchen.rules import AHEAD, FIRST_OF_THREE, WANTED, Plan
-from overcooked_bench.kitchen.state import CELLS, FACING, HELD, POSITION
+from overcooked_bench.kitchen.observations.observation import Observation, PastState
+from overcooked_bench.kitchen.rules import AHEAD, FIRST_OF_THREE, WANTED
+from overcooked_bench.kitchen.tables import Tables
 
 NUM_FEATURES: Final = 96
+_LEAST_BOUND: Final = 20
 _POT_SLOTS = 2
 _BLOCK = 26 + 10 * _POT_SLOTS
 _SOURCES = "OTDS"
@@ -41,42 +45,42 @@ _POTS = 14  # index of the nearest and next pot, -1 for none in reach; then dx a
 _COLUMNS = 20
 
 
-def measure(layout: Layout, plan: Plan) -> NDArray[np.int16]:
+def measure(layout: Layout, tables: Tables) -> NDArray[np.int16]:
     """Finds the nearest things from everywhere: (C, 4, 20) int16 by cell and facing.
 
     Distance is the number of actions of one chef alone until it faces the thing, turning towards a wall included; ties
     go to the first in row-major order.
     """
-    cells = len(plan.fresh)
+    cells = len(tables.fresh)
     place = np.array([(x, y) for y in range(layout.height) for x in range(layout.width)])
     table = np.zeros((cells, 4, _COLUMNS), np.int16)
     table[..., _PLACE : _PLACE + 2] = place[:, None]
-    table[..., _WALLS : _WALLS + 4] = (plan.fresh[plan.ways[:, AHEAD : AHEAD + 4]] != FLOOR)[:, None]
+    table[..., _WALLS : _WALLS + 4] = (tables.fresh[tables.ways[:, AHEAD : AHEAD + 4]] != FLOOR)[:, None]
     for kind, letter in enumerate(_SOURCES):
         targets = np.array([y * layout.width + x for x, y in layout.positions(letter)], int)
         if len(targets):
-            steps = np.array([_actions_to(plan, cell) for cell in targets])
+            steps = np.array([_actions_to(tables, cell) for cell in targets])
             delta = place[targets[steps.argmin(0)]] - place[:, None]
             at = _NEAREST + 2 * kind
             table[..., at : at + 2] = np.where(steps.min(0)[..., None] < _FAR, delta, 0)
-    steps = np.array([_actions_to(plan, cell) for cell in plan.pots])
+    steps = np.array([_actions_to(tables, cell) for cell in tables.pots])
     order = steps.argsort(0, kind="stable")
     table[..., _POTS : _POTS + _POT_SLOTS] = -1
-    for slot in range(min(_POT_SLOTS, len(plan.pots))):
+    for slot in range(min(_POT_SLOTS, len(tables.pots))):
         at = _POTS + _POT_SLOTS + 2 * slot
         reached = np.take_along_axis(steps, order, 0)[slot] < _FAR
         table[..., _POTS + slot] = np.where(reached, order[slot], -1)
-        table[..., at : at + 2] = place[plan.pots[order[slot]]] - place[:, None]
+        table[..., at : at + 2] = place[tables.pots[order[slot]]] - place[:, None]
     return table
 
 
 _FAR = 2**30
 
 
-def _actions_to(plan: Plan, goal: int) -> NDArray[np.int64]:
+def _actions_to(tables: Tables, goal: int) -> NDArray[np.int64]:
     """Counts the actions until a chef faces `goal`, by cell and facing: (C, 4), _FAR where it never will."""
-    ahead, wanted = plan.ways[:, AHEAD : AHEAD + 4], plan.ways[:, WANTED : WANTED + 4]
-    is_floor = (plan.fresh == FLOOR)[:, None]
+    ahead, wanted = tables.ways[:, AHEAD : AHEAD + 4], tables.ways[:, WANTED : WANTED + 4]
+    is_floor = (tables.fresh == FLOOR)[:, None]
     steps = np.where(is_floor & (ahead == goal), 0, _FAR)
     while True:
         after = steps[wanted, np.arange(4)].min(1, keepdims=True) + 1
@@ -98,7 +102,7 @@ def write_features(
 
     Args:
         rows: (N, ...) uint16, see `Batch`.
-        pots: (P,) uint16, see `Plan`.
+        pots: (P,) uint16, see `Tables`.
         around: (C, 4, 20) int16, from `measure`.
         seats: (N, V) int64, whose features are wanted.
         out: (N, V, 96) float32, written.
@@ -159,3 +163,41 @@ def _write_block(
         out[at + 9] = near[_POTS + _POT_SLOTS + 2 * slot + 1]
     for direction in range(4):
         out[first + 22 + 10 * _POT_SLOTS + direction] = near[_WALLS + direction]
+
+
+class Features(Observation):
+    """The features as an observation; where two things are equally near, they choose by column."""
+
+    name = "features"
+    dtype: ClassVar[np.dtype[Any]] = np.dtype(np.float32)
+
+    def shape(self, layout: Layout) -> tuple[int, ...]:
+        """Returns (96,)."""
+        return (NUM_FEATURES,)
+
+    def low(self, layout: Layout) -> float:
+        """Returns the longest distance to the left or upwards."""
+        return -max(layout.width, layout.height)
+
+    def high(self, layout: Layout) -> float:
+        """Returns the longest distance or cook time."""
+        return max(layout.width, layout.height, _LEAST_BOUND, *layout.cook_times)
+
+    def prepare(self, layout: Layout, tables: Tables) -> tuple[NDArray[np.uint16], NDArray[np.int16]]:
+        """Returns the cells of the pots, and the nearest things from everywhere."""
+        return tables.pots, measure(layout, tables)
+
+    def write(
+        self,
+        prepared: Any,
+        batch: Batch,
+        past: Sequence[PastState],
+        viewers: NDArray[np.int64],
+        out: NDArray[Any],
+    ) -> None:
+        """Writes 96 numbers a view; see `Observation.write`."""
+        pots, around = prepared
+        write_features(batch.rows, pots, around, viewers, out)
+
+
+OBSERVATION: Final = Features()

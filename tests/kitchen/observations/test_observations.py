@@ -8,10 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overcooked_bench import Chef, Kitchens, KitchenState, Soup
-from overcooked_bench.kitchen.observations import CHANNELS, ONION_CHANNELS, PAST_CHANNELS
+from overcooked_bench.kitchen.image import CHANNELS
+from overcooked_bench.kitchen.observations.grid import ONION_CHANNELS
+from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
+from overcooked_bench.kitchen.observations.stack_channels import PAST_CHANNELS
 from tests.kitchen.strategies import SEEDS, joint_actions, law, layouts, states
 
-ALL = ("lossless", "lossless26", "features", "stack_channels", "stack_states")
+ALL = tuple(OBSERVATIONS)
 
 
 @law
@@ -160,7 +163,7 @@ def test_the_last_39_steps_are_urgent(horizon, first_urgent):
 @pytest.mark.parametrize(
     ("layout", "name", "message"),
     [
-        ("cramped_room", "pixels", "no observation named 'pixels'; choose one of lossless, "),
+        ("cramped_room", "pixels", "no observation named 'pixels'; choose one of features, lossless, "),
         ("cramped_room", "stack_states", "'stack_states' needs the past: make Kitchens"),
         ("cramped_room", "stack_channels", "'stack_channels' needs the past"),
         (

@@ -1,0 +1,1 @@
+"""What a chef can be shown: one file for each observation, found by `registry`."""
