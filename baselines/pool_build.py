@@ -6,7 +6,6 @@ again; what comes out depends on the configuration alone, not on stops, processe
 """
 
 import json
-import os
 from dataclasses import asdict
 from importlib import import_module
 from math import ceil
@@ -20,6 +19,7 @@ from overcooked_bench.agents.pools.manifest import MANIFEST, check_files, read_m
 from overcooked_bench.agents.pools.records import AgentRecord, Manifest, PoolAgent
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.evaluation.pools.profile import Measured, measure
+from overcooked_bench.files import write_whole
 
 from .learning.locks import locked
 from .learning.run import CONFIG_FILE, Outcome, read_json, write_json
@@ -130,9 +130,7 @@ def publish(run: Run, folder: Path, pool: Path) -> list[AgentRecord]:
                 policy_files(folder / agent["policy"]), policy_files(pool / run.layout / record.name), strict=True
             ):
                 target.parent.mkdir(exist_ok=True)
-                unfinished = target.with_name(target.name + ".part")
-                unfinished.write_bytes(source.read_bytes())
-                os.replace(unfinished, target)
+                write_whole(target, source.read_bytes())
         manifest = _manifest(pool)
         known = {(a.layout, a.name): _bare(a) for a in manifest.agents} if manifest else {}
         known |= {(record.layout, record.name): record for record in records}

@@ -3,19 +3,19 @@
 Every agent of the pool follows from the file: its name, its layout, its training seed and all settings.
 """
 
-import difflib
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.resources import files
 from itertools import combinations
 from pathlib import Path
 from typing import Any, Final, Literal
 
 import msgspec
-import yaml
 
+from overcooked_bench.documents import LONGEST, parse_yaml
 from overcooked_bench.errors import WrongUse
+from overcooked_bench.files import check_name, read_text
 from overcooked_bench.kitchen.layout import layout_names
+from overcooked_bench.shelf import Shelf
 
 from .learning.seeds import derive_seed
 from .learning.settings import Settings
@@ -32,6 +32,11 @@ EARLY: Final = "early"
 
 class PoolConfigError(WrongUse):
     """A pool's configuration cannot be found or read, or asks for what there is not; names the file and the key."""
+
+
+_SHELF: Final = Shelf(
+    "pool configuration", "overcooked_bench.baselines", ".yaml", PoolConfigError, "a YAML file", "configs/pools"
+)
 
 
 class Group(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -187,8 +192,7 @@ class Run:
 
 def pool_config_names() -> tuple[str, ...]:
     """Lists the shipped configurations."""
-    shelf = files(__package__ or "").joinpath("configs", "pools")
-    return tuple(sorted(file.name.removesuffix(".yaml") for file in shelf.iterdir() if file.name.endswith(".yaml")))
+    return _SHELF.names()
 
 
 def load_pool_config(source: str | Path) -> PoolConfig:
@@ -197,27 +201,11 @@ def load_pool_config(source: str | Path) -> PoolConfig:
     Raises:
         PoolConfigError: No such name or file, or something in it is wrong.
     """
-    text = str(source)
-    if text in pool_config_names():
-        content = files(__package__ or "").joinpath("configs", "pools", f"{text}.yaml").read_text("utf-8")
-    elif Path(text).is_file():
-        try:
-            content = Path(text).read_text("utf-8")
-        except UnicodeDecodeError as error:
-            raise PoolConfigError(f"{text}: not a text file in UTF-8 ({error})") from None
-    else:
-        near = difflib.get_close_matches(text, pool_config_names(), n=1, cutoff=0.4)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        raise PoolConfigError(
-            f"no pool configuration named {text!r}; {hint}Shipped are {', '.join(pool_config_names())}; "
-            "the path of a YAML file will do too"
-        )
-    try:
-        config = msgspec.convert(yaml.safe_load(content), PoolConfig)
-    except yaml.YAMLError as error:
-        raise PoolConfigError(f"{text}: not YAML: {error}") from None
-    except (msgspec.ValidationError, ValueError) as error:
-        raise PoolConfigError(f"{text}: {error}") from None
+    text = read_text(_SHELF.find(source), LONGEST, raises=PoolConfigError)
+    config = parse_yaml(text, str(source), PoolConfigError).convert(PoolConfig)
+    check_name(config.name, f"{source}: the key `name`", PoolConfigError)
+    for group in config.groups:
+        check_name(group.prefix, f"{source}: the key `prefix`", PoolConfigError)
     for run in config.runs():
         _ = run.settings
     return config

@@ -4,17 +4,16 @@ A configuration says where it differs from the method's defaults; `extends: othe
 `extends: method:other` from one of another method's; `by_layout` has what differs on single layouts.
 """
 
-import difflib
 import types
 from dataclasses import MISSING, fields
 from importlib import import_module
 from importlib.resources import files
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
-import yaml
-
+from overcooked_bench.documents import parse_yaml
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.kitchen.layout import MIRRORED, Layout, LayoutError
+from overcooked_bench.shelf import guess
 
 from .learning.settings import Settings
 from .methods import METHODS
@@ -75,9 +74,9 @@ def named_settings(method: str, name: str = "", layout: str = "") -> dict[str, A
     settings: dict[str, Any] = {}
     for part in name.split(",") if name else [next(iter(known))]:
         if part not in known:
-            near = difflib.get_close_matches(part, known, n=1)
-            hint = f"did you mean {near[0]!r}? " if near else ""
-            raise PresetError(f"{method} has no configuration {part!r}; {hint}there is {', '.join(known)}")
+            raise PresetError(
+                f"{method} has no configuration {part!r}; {guess(part, known)}there is {', '.join(known)}"
+            )
         own = dict(known[part] or {})
         base = own.pop("extends", None)
         if base:
@@ -106,9 +105,7 @@ def checked(kind: type[Settings], settings: dict[str, Any], where: str) -> dict[
     known = {f.name: hints[f.name] for f in fields(kind)}
     for key in settings:
         if key not in known:
-            near = difflib.get_close_matches(key, known, n=1)
-            hint = f"; did you mean {near[0]!r}?" if near else f"; there is {', '.join(known)}"
-            raise PresetError(f"{where}: unknown setting {key!r}{hint}")
+            raise PresetError(f"{where}: unknown setting {key!r}; {guess(key, known)}there is {', '.join(known)}")
     for f in fields(kind):
         if f.default is MISSING and f.default_factory is MISSING and f.name not in settings:
             raise PresetError(f"{where}: the setting {f.name!r} is missing")
@@ -137,7 +134,4 @@ def _fitted(hint: Any, value: Any, where: str) -> Any:
 def _read(method: str) -> dict[str, Any]:
     config_class(method)
     file = files(__package__ or "").joinpath("configs", f"{method}.yaml")
-    content = yaml.safe_load(file.read_text(encoding="utf-8"))
-    if not isinstance(content, dict) or not content:
-        raise PresetError(f"{method}.yaml: give a mapping from names of configurations to their settings")
-    return content
+    return parse_yaml(file.read_text(encoding="utf-8"), file.name, PresetError).data

@@ -6,7 +6,7 @@ no key twice, no control characters, no infinite or huge numbers, one mapping pe
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
@@ -15,6 +15,7 @@ import msgspec
 
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.files import read_regular, shown
+from overcooked_bench.shelf import guess
 
 if TYPE_CHECKING:
     import yaml
@@ -80,11 +81,21 @@ class Document:
         try:
             return msgspec.convert(self.data, kind)
         except (msgspec.ValidationError, ValueError) as error:
-            message, path = _placed(str(error))
-            if unknown := re.match(r"Object contains unknown field `(.*?)`", message):
-                path = (*path, unknown[1])
-                message = f"unknown key `{unknown[1]}`"
-            raise self.error(path, message) from None
+            raise self._misfit(str(error), getattr(kind, "__struct_fields__", ())) from None
+
+    def _misfit(self, error: str, known: Sequence[str]) -> WrongUse:
+        """Says a msgspec message in the words of the file, with the line of the key that it is about."""
+        message, _, place = error.partition(" - at ")
+        path = tuple(int(index) if index else name for name, index in re.findall(r"\.(\w+)|\[(\d+)\]", place))
+        if named := re.match(r"Object contains unknown field `(.*)`", message):
+            keys = f"{guess(named[1], known)}keys are {', '.join(known)}" if not path else "remove it"
+            return self.error((*path, named[1]), f"unknown key `{named[1]}`; {keys}")
+        if named := re.match(r"Object missing required field `(.*)`", message):
+            return self.error(path, f"missing key `{named[1]}`")
+        if (own := (*path, message.partition(" ")[0])) in self.lines:  # messages of ours begin with the key
+            return self.error(own, message)
+        key = f" - at key `{place.strip('`').removeprefix('$.')}`" if path else ""
+        return self.error(path, message.replace("`object`", "a mapping") + key)
 
 
 def parse_yaml(text: str, where: str, raises: type[WrongUse] = DocumentError) -> Document:
@@ -146,9 +157,7 @@ class _Reader:
             raise self._wrong(event, "references (& and *) are not allowed; write the value again")
         tag: str | None = getattr(event, "tag", None)
         if tag is not None:
-            raise self._wrong(
-                event, f"the tag {tag!r} is not allowed; values are texts, numbers, lists, mappings"
-            )
+            raise self._wrong(event, f"the tag {tag!r} is not allowed; values are texts, numbers, lists, mappings")
         if isinstance(event, yaml.ScalarEvent):
             return self._scalar(event, path)
         if len(path) >= DEEPEST:
@@ -253,12 +262,3 @@ def _too_deep(content: bytes) -> bool:
 
 
 _NO_BRACKETS: Final = bytes(set(range(256)) - set(b"[]{}"))
-
-
-def _placed(message: str) -> tuple[str, Steps]:
-    """Splits a msgspec message into what is wrong and where."""
-    text, at, place = message.rpartition(" - at ")
-    if not at:
-        return message, ()
-    steps = re.findall(r"\.(\w+)|\[(\d+)\]", place)
-    return text, tuple(int(index) if index else name for name, index in steps)

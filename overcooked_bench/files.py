@@ -40,7 +40,7 @@ def read_regular(
     try:
         file = os.open(path, flags)
     except FileNotFoundError:
-        raise raises(f"{shown(path)}: no such file") from None
+        raise raises(f"{shown(path)}: cannot be read (no such file)") from None
     except (OSError, ValueError) as error:
         raise raises(f"{shown(path)}: cannot be read ({_reason(error)})") from None
     try:

@@ -59,22 +59,24 @@ class Shelf:
         found = {file.relative_to(home).as_posix().removesuffix(self.suffix) for file in home.glob(f"*{self.suffix}")}
         return *self.first, *sorted(found - set(self.first))
 
+    def file(self, source: str | Path) -> Path | None:
+        """Returns the file of a name of `names()` or of a path (of a folder where names are folders); else None."""
+        if str(source) in self.names():
+            return self.home / f"{source}{self.suffix}"
+        given = Path(f"{source}{self.suffix}" if self.suffix.startswith("/") else source)
+        return given if is_file(given) else None
+
     def find(self, source: str | Path) -> Path:
         """Returns the file of a name or a path.
 
-        Args:
-            source: A name of `names()`; or the path of a file, or of a folder where names are folders.
-
         Raises:
-            WrongUse: Of the class `raises`: no such name or path; says which names there are.
+            WrongUse: Of the class `raises`: there is no such name or path; says which names there are.
         """
-        names = self.names()
-        if isinstance(source, str) and source in names:
-            return self.home / f"{source}{self.suffix}"
-        given = Path(f"{source}{self.suffix}" if self.suffix.startswith("/") else source)
-        if is_file(given):
-            return given
-        raise self.raises(
-            f"no {self.what} named {shown(source)!r}; {guess(source, names)}Shipped are {', '.join(names) or 'none'}; "
-            f"the path of {self.path} will do too"
-        )
+        found = self.file(source)
+        if found is None:
+            names = self.names()
+            raise self.raises(
+                f"no {self.what} named {shown(source)!r}; {guess(source, names)}Shipped are "
+                f"{', '.join(names) or 'none'}; the path of {self.path} will do too"
+            )
+        return found

@@ -94,10 +94,10 @@ class Outer(msgspec.Struct, forbid_unknown_fields=True):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("a:\n- b: 1\n- b: x", "f:3: Expected `int`, got `str`"),
+        ("a:\n- b: 1\n- b: x", r"f:3: Expected `int`, got `str` - at key `a\[1\].b`"),
         ("a:\n- b: 1\n  c: 2", "f:3: unknown key `c`"),
-        ("a:\n- b: 1\n- {}", "f:3: .*missing required field `b`"),
-        ("a: []\nc: 2", "f:2: unknown key `c`"),
+        ("a:\n- b: 1\n- {}", "f:3: missing key `b`"),
+        ("a: []\nc: 2", "f:2: unknown key `c`; .*keys are a"),
     ],
 )
 def test_a_wrong_entry_has_a_line(text, message):

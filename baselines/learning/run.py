@@ -1,7 +1,6 @@
 """One training run in one folder: schedules, checkpoints, logs, restarts, the frozen policy at its end."""
 
 import json
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -15,6 +14,7 @@ from stable_baselines3.common.logger import Logger, make_output_format
 from overcooked_bench.agents.policies.policy import PolicyFiles, policy_files
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 from overcooked_bench.errors import WrongUse
+from overcooked_bench.files import write_whole
 from overcooked_bench.kitchen.layout import Layout
 
 from .algorithms import AnyLearner
@@ -222,10 +222,8 @@ def claim(output: Path, settings: Settings, method: str, seed: int, resume: bool
 
 
 def write_json(file: Path, content: Any) -> None:
-    """Writes a file whole or not at all."""
-    unfinished = file.with_suffix(".part")
-    unfinished.write_text(json.dumps(content, indent=2) + "\n")
-    os.replace(unfinished, file)
+    """Writes a JSON file whole or not at all."""
+    write_whole(file, json.dumps(content, indent=2) + "\n")
 
 
 def read_json(file: Path) -> Any:

@@ -4,7 +4,6 @@ Self-play under random weights makes partners with habits of their own (Yu et al
 with Humans, Assuming Humans Are Biased").
 """
 
-import difflib
 from collections.abc import Mapping
 from math import isfinite
 
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.kitchen.events import EVENTS
+from overcooked_bench.shelf import guess
 
 
 def event_weights(event_rewards: Mapping[str, float]) -> NDArray[np.float64]:
@@ -29,9 +29,7 @@ def event_weights(event_rewards: Mapping[str, float]) -> NDArray[np.float64]:
     weights = np.zeros(len(EVENTS))
     for name, weight in event_rewards.items():
         if name not in EVENTS:
-            near = difflib.get_close_matches(str(name), EVENTS, n=1, cutoff=0.5)
-            hint = f"did you mean {near[0]!r}? " if near else ""
-            raise ValueError(f"event_rewards names {name!r}; {hint}Events are {', '.join(EVENTS)}")
+            raise ValueError(f"event_rewards names {name!r}; {guess(name, EVENTS)}Events are {', '.join(EVENTS)}")
         if not isfinite(weight):
             raise ValueError(f"event_rewards[{name!r}]={weight!r}; give a finite number of reward points")
         weights[EVENTS.index(name)] = weight

@@ -1,14 +1,15 @@
 """`Protocol`: the file that fixes what is played and how it is scored."""
 
-import difflib
 import hashlib
-from importlib.resources import files
 from pathlib import Path
 from typing import Final, Literal
 
 import msgspec
 
+from overcooked_bench.documents import LONGEST, parse_yaml
 from overcooked_bench.errors import WrongUse
+from overcooked_bench.files import check_name, read_text
+from overcooked_bench.shelf import Shelf
 
 NEWEST: Final = "dev"
 """The protocol that is played where none is named."""
@@ -16,11 +17,15 @@ NEWEST: Final = "dev"
 MOST_STEPS: Final = 10_000
 """The longest episode; all its joint actions are kept in memory."""
 
-_PACKAGE = "overcooked_bench.protocols"
-
 
 class ProtocolError(WrongUse):
     """A protocol cannot be found or read; the message names the file and the key."""
+
+
+MOST_EPISODES: Final = 10_000
+"""Start states for each partner; the list of blocks is kept in memory."""
+
+_SHELF: Final = Shelf("protocol", "overcooked_bench.protocols", ".yaml", ProtocolError, "a YAML file", first=(NEWEST,))
 
 
 class Protocol(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -70,7 +75,7 @@ class Protocol(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
             ("pool", self.pool, self.pool is None or bool(self.pool.strip()), "the name or folder of a pool, or null"),
             ("partners", self.partners, bool(self.partners or self.pool), "a scripted partner, or name a pool"),
             ("seats", self.seats, 0 < len(set(self.seats)) == len(self.seats), "[0, 1], [0] or [1]"),
-            ("episodes", self.episodes, self.episodes >= 1, "a number from 1"),
+            ("episodes", self.episodes, 1 <= self.episodes <= MOST_EPISODES, f"a number from 1 to {MOST_EPISODES:,}"),
             ("thresholds", self.thresholds, all(t > 0 for t in self.thresholds), "numbers of soups above 0"),
         ):
             if not right:
@@ -88,8 +93,7 @@ class Protocol(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
 def protocol_names() -> tuple[str, ...]:
     """Lists the shipped protocols, the newest first."""
-    found = {f.name.removesuffix(".yaml") for f in files(_PACKAGE).iterdir() if f.name.endswith(".yaml")}
-    return NEWEST, *sorted(found - {NEWEST})
+    return _SHELF.names()
 
 
 def load_protocol(source: str | Path = NEWEST) -> Protocol:
@@ -101,21 +105,8 @@ def load_protocol(source: str | Path = NEWEST) -> Protocol:
     Raises:
         ProtocolError: No such name or file, or a key is missing, unknown or wrong.
     """
-    text = str(source)
-    if text in protocol_names():
-        return read_protocol(files(_PACKAGE).joinpath(f"{text}.yaml").read_text("utf-8"), f"protocol {text}")
-    path = Path(text)
-    if path.is_file():
-        try:
-            return read_protocol(path.read_text("utf-8"), text)
-        except UnicodeDecodeError as error:
-            raise ProtocolError(f"{text}: not a text file in UTF-8 ({error}); save it as UTF-8") from error
-    near = difflib.get_close_matches(text, protocol_names(), n=1, cutoff=0.4)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    raise ProtocolError(
-        f"no protocol named {text!r}; {hint}Shipped are {', '.join(protocol_names())}; "
-        "the path of a YAML file will do too"
-    )
+    file = _SHELF.find(source)
+    return read_protocol(read_text(file, LONGEST, raises=ProtocolError), str(source))
 
 
 def read_protocol(text: str, where: str) -> Protocol:
@@ -128,23 +119,7 @@ def read_protocol(text: str, where: str) -> Protocol:
     Raises:
         ProtocolError: It is not YAML, or a key is missing, unknown or wrong.
     """
-    import yaml
-
-    try:
-        return msgspec.convert(yaml.safe_load(text), Protocol)
-    except yaml.YAMLError as error:
-        raise ProtocolError(f"{where}: not YAML: {error}") from error
-    except (msgspec.ValidationError, ValueError) as error:
-        raise ProtocolError(f"{where}: {_plain(str(error))}") from error
-
-
-def _plain(message: str) -> str:
-    """Says a msgspec message in the words of the file."""
-    fields = ", ".join(Protocol.__struct_fields__)
-    if "unknown field" in message:
-        return f"{message.replace('Object contains unknown field', 'unknown key')}; keys are {fields}"
-    return (
-        message.replace("Object missing required field", "missing key")
-        .replace("Expected `object`", "expected a mapping of keys")
-        .replace(" - at `$.", " - at key `")
-    )
+    document = parse_yaml(text, where, ProtocolError)
+    protocol = document.convert(Protocol)
+    check_name(protocol.name, f"{where}: the key `name`", ProtocolError)
+    return protocol

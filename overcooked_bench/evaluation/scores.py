@@ -1,6 +1,5 @@
 """`Scores`: what score.json says."""
 
-import os
 from pathlib import Path
 from typing import Any, Final
 
@@ -8,6 +7,7 @@ import msgspec
 
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.evaluation.protocol import Protocol
+from overcooked_bench.files import write_whole
 from overcooked_bench.kitchen.layout import DEFAULT_SOUP_REWARD
 
 SCHEMA: Final = 1
@@ -216,9 +216,7 @@ class Scores(msgspec.Struct, frozen=True):
     def write(self, file: str | Path) -> None:
         """Writes score.json, all or nothing."""
         data = msgspec.json.format(msgspec.json.encode(self), indent=2) + b"\n"
-        unfinished = Path(file).with_name(Path(file).name + ".part")
-        unfinished.write_bytes(data)
-        os.replace(unfinished, file)
+        write_whole(file, data)
 
 
 def read_scores(file: str | Path) -> Scores:

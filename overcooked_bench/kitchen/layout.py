@@ -1,16 +1,17 @@
 """A kitchen's floor plan and menu: read an ASCII grid, check it, name it."""
 
-import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from importlib.resources import files
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
+from overcooked_bench.documents import LONGEST, parse_yaml
 from overcooked_bench.errors import WrongUse
+from overcooked_bench.files import read_text
 from overcooked_bench.kitchen.codes import DIRECTIONS, MAX_INGREDIENTS, RECIPES, TILE_NAMES, TILES, Position, Recipe
+from overcooked_bench.shelf import Shelf, guess
 
 MIRRORED = "-mirrored"
 DEFAULT_SOUP_REWARD = 20
@@ -22,8 +23,28 @@ PerRecipe = float | Mapping[str, float] | Sequence[float]
 """One number for all, one for each ingredient, or one for each order."""
 
 
+_CLASSIC: Final = (
+    "cramped_room",
+    "asymmetric_advantages",
+    "coordination_ring",
+    "forced_coordination",
+    "counter_circuit",
+)
+_MENU: Final = ("orders", "bonus_orders", "order_bonus", "soup_reward", "cook_time")
+
+
 class LayoutError(WrongUse):
     """A grid or its menu breaks a rule; the message says where and what to write instead."""
+
+
+_SHELF: Final = Shelf(
+    "layout",
+    "overcooked_bench.kitchen.layouts",
+    ".layout",
+    LayoutError,
+    "a .layout file or a grid of several lines",
+    first=_CLASSIC,
+)
 
 
 @dataclass(frozen=True)
@@ -134,40 +155,26 @@ class Layout:
         text = str(source)
         if "\n" in text:
             return cls.from_text(text)
-        if text.endswith(MIRRORED):
-            return cls.load(text.removesuffix(MIRRORED)).mirrored()
-        if text in layout_names():
-            return cls._from_file(
-                files("overcooked_bench.kitchen.layouts").joinpath(f"{text}.layout").read_text(), text
-            )
-        if Path(text).is_file():
-            try:
-                return cls._from_file(Path(text).read_text("utf-8"), None)
-            except UnicodeDecodeError:
-                raise LayoutError(f"{text} is not a text file; write a grid's rows") from None
-        near = difflib.get_close_matches(text, layout_names(), n=1, cutoff=0.4)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        raise LayoutError(
-            f"no layout named {text!r}; {hint}Shipped are {', '.join(layout_names())}; "
-            "a path of a .layout file or a grid of several lines will do too"
-        )
+        turns = 0
+        while text.endswith(MIRRORED):
+            text, turns = text.removesuffix(MIRRORED), turns + 1
+        file = _SHELF.find(text)
+        content = read_text(file, LONGEST, raises=LayoutError)
+        layout = cls._from_file(content, str(file), text if text in layout_names() else None)
+        return layout.mirrored() if turns % 2 else layout
 
     @classmethod
-    def _from_file(cls, text: str, name: str | None) -> "Layout":
+    def _from_file(cls, text: str, where: str, name: str | None) -> "Layout":
         """Reads a grid, optionally followed by a line `---` and a YAML mapping of `from_text`'s other arguments."""
         grid, _, menu = text.partition("\n---\n")
         if not menu:
             return cls.from_text(grid, name=name)
-        import yaml
-
-        try:
-            options = yaml.safe_load(menu)
-        except yaml.YAMLError as error:
-            raise LayoutError(f"below the line '---' stands no YAML: {error}") from None
-        allowed = {"orders", "bonus_orders", "order_bonus", "soup_reward", "cook_time"}
-        if not isinstance(options, dict) or not set(options) <= allowed:
-            raise LayoutError(f"below the line '---' stand {options!r}; write a mapping with keys of {sorted(allowed)}")
-        return cls.from_text(grid, name=name, **options)
+        above = "\n" * (grid.count("\n") + 2)  # so that errors name the file's own lines
+        document = parse_yaml(above + menu, where, LayoutError)
+        for key in document.data:
+            if key not in _MENU:
+                raise document.error((key,), f"unknown key `{key}`; {guess(key, _MENU)}keys are {', '.join(_MENU)}")
+        return cls.from_text(grid, name=name, **document.data)
 
     def mirrored(self) -> "Layout":
         """Gives the left-right mirror image; its name gains or loses `-mirrored`, a grid's text is mirrored itself."""
@@ -301,9 +308,7 @@ class Layout:
 
 def layout_names() -> tuple[str, ...]:
     """Lists the shipped layouts, the five classic ones first."""
-    classic = ("cramped_room", "asymmetric_advantages", "coordination_ring", "forced_coordination", "counter_circuit")
-    found = {f.name.removesuffix(".layout") for f in files("overcooked_bench.kitchen.layouts").iterdir()}
-    return classic + tuple(sorted(name for name in found if not name.startswith("_") and name not in classic))
+    return _SHELF.names()
 
 
 def _parse_grid(  # noqa: C901 (one check after the other, each with its own message)

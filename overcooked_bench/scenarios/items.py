@@ -1,6 +1,5 @@
 """What is counted: a scenario from one seat in one mirror, or both halves of a pair together; and how to choose."""
 
-import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
@@ -13,6 +12,7 @@ from overcooked_bench.scenarios import CATEGORIES
 from overcooked_bench.scenarios.errors import ScenarioError
 from overcooked_bench.scenarios.language.loading import SUFFIX, load_scenario
 from overcooked_bench.scenarios.scenario import SEATS, Scenario, Situation
+from overcooked_bench.shelf import guess
 
 PAIR: Final = "-pair"
 HALVES: Final = 2
@@ -190,9 +190,8 @@ def _fits(item: Item, word: str) -> bool:
 
 def _nothing(word: str) -> str:
     known = sorted({scenario.id for item in _shipped() for scenario in item.scenarios})
-    near = difflib.get_close_matches(word, [*known, *CATEGORIES], n=3, cutoff=0.4)
-    hint = f"did you mean {' or '.join(near)}? " if near else ""
+    near = guess(word, [*known, *CATEGORIES], 3)
     return (
-        f"no scenario fits {word!r}; {hint}give an id or its beginning (C04), a category ({', '.join(CATEGORIES)}), a "
+        f"no scenario fits {word!r}; {near}give an id or its beginning (C04), a category ({', '.join(CATEGORIES)}), a "
         "family, a tag, a pattern with *, or the path of a .yaml file"
     )

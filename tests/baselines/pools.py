@@ -1,9 +1,8 @@
 """A pool that is trained in seconds."""
 
+import json
 from pathlib import Path
 from typing import Any
-
-import yaml
 
 from overcooked_bench.baselines.pool_config import PoolConfig, load_pool_config
 from tests.baselines.tiny import SETTINGS
@@ -27,7 +26,7 @@ def write_config(folder: Path, *groups: dict[str, Any], **others: Any) -> Path:
         "groups": list(groups) or [group(**THREE_AGENTS), group("other", first=1)],
     }
     file = folder / "tiny.yaml"
-    file.write_text(yaml.safe_dump(content | others))
+    file.write_text(json.dumps(content | others))
     return file
 
 

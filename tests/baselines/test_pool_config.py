@@ -46,7 +46,7 @@ def test_every_run_follows_from_the_file(tmp_path):
         ([group(keep=[])], {}, "each once"),
         ([group(), group()], {}, "two groups have the prefix 'sp'"),
         ([group(count=3), group("more", first=2)], {}, "write first: 3 in more"),
-        ([group(surprise=1)], {}, "unknown field `surprise`"),
+        ([group(surprise=1)], {}, "unknown key `surprise`"),
         ([group()], {"layouts": ["cramped_rom"]}, "choose among .*cramped_room"),
         ([group()], {"layouts": []}, "choose among"),
         ([group(by_layout={"kitchen": {}})], {}, "choose among"),
@@ -78,7 +78,7 @@ def test_unknown_and_broken_files_are_told(tmp_path):
     with pytest.raises(PoolConfigError, match="did you mean 'dev-v1'"):
         load_pool_config("dev-v2")
     file = write_config(tmp_path)
-    for content, message in ((b"{", "not YAML"), (b"\xff", "UTF-8"), (b"[]", "Expected `object`")):
+    for content, message in ((b"{", "not YAML"), (b"\xff", "UTF-8"), (b"[]", "not a mapping")):
         file.write_bytes(content)
         with pytest.raises(PoolConfigError, match=message):
             load_pool_config(file)

@@ -82,7 +82,7 @@ def test_a_file_that_is_no_mapping_is_refused(monkeypatch, tmp_path):
     (tmp_path / "configs").mkdir()
     (tmp_path / "configs" / "self-play.yaml").write_text("- fast\n")
     monkeypatch.setattr(presets, "files", lambda _: tmp_path)
-    with pytest.raises(PresetError, match="give a mapping"):
+    with pytest.raises(PresetError, match="not a mapping"):
         config_names("self-play")
     with pytest.raises(PresetError, match="no training method named 'self-pley'"):
         config_names("self-pley")

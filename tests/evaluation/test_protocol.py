@@ -32,13 +32,16 @@ def test_a_file_is_read(tmp_path):
         ({"horizon": 0}, "horizon is 0; give a number of steps from 1"),
         ({"horizon": 10_001}, "horizon is 10001; give a number of steps from 1 to 10,000"),
         ({"horizon": None}, "missing key `horizon`"),
-        ({"horizn": 400}, "unknown key `horizn`; keys are name, version"),
+        ({"horizn": 400}, "unknown key `horizn`; did you mean 'horizon'. keys are name, version"),
         ({"cooking": "microwave"}, "Invalid enum value 'microwave' - at key `cooking`"),
         ({"seats": [0, 2]}, "at key `seats"),
         ({"seats": [0, 0]}, r"seats is \[0, 0\]"),
         ({"layouts": []}, r"layouts is \[\]; give at least one"),
         ({"object_probability": 1.5}, "object_probability is 1.5; give a probability"),
         ({"episodes": 0}, "episodes is 0"),
+        ({"episodes": 200_000_000}, "episodes is 200000000; give a number from 1 to 10,000"),
+        ({"name": "../../X"}, "the key `name` is"),
+        ({"salt": "!!bool x"}, "the tag"),
         ({"thresholds": [0]}, "thresholds"),
         ({"floors": ["greedy"]}, "partners and floors name 'greedy' twice"),
         ({"partners": []}, "partners"),
@@ -46,12 +49,12 @@ def test_a_file_is_read(tmp_path):
     ],
 )
 def test_a_wrong_key_is_named_with_the_file(changes, words):
-    with pytest.raises(ProtocolError, match=f"^tiny.yaml: .*{words}"):
+    with pytest.raises(ProtocolError, match=rf"^tiny.yaml(:\d+)?: .*{words}"):
         read_protocol(protocol_text(**changes), "tiny.yaml")
 
 
 def test_a_file_that_is_no_mapping_is_refused():
-    with pytest.raises(ProtocolError, match=r"^tiny.yaml: expected a mapping of keys"):
+    with pytest.raises(ProtocolError, match=r"^tiny.yaml:1: not a mapping"):
         read_protocol("[1, 2]", "tiny.yaml")
 
 

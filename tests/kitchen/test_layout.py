@@ -166,7 +166,7 @@ def test_the_classic_layouts_come_first():
     [
         ("cramped_rom", "no layout named 'cramped_rom'; did you mean 'cramped_room'"),
         ("forced_cordination-mirrored", "did you mean 'forced_coordination'"),
-        ("kitchen/of/nobody.layout", "a path of a .layout file or a grid of several lines will do too"),
+        ("kitchen/of/nobody.layout", "the path of a .layout file or a grid of several lines will do too"),
         ("zzzz", "no layout named 'zzzz'; Shipped are cramped_room, asymmetric_advantages"),
     ],
 )
@@ -194,12 +194,35 @@ def test_a_file_may_hold_a_grid_alone(tmp_path):
     assert Layout.load(path) == Layout.from_text(GOOD)
 
 
-@pytest.mark.parametrize("menu", ["price: 3", "- onion", "name: mine"])
-def test_a_menu_with_unknown_keys_is_refused(tmp_path, menu):
+BOMB = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n" + "".join(
+    f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 10)
+)
+
+
+@pytest.mark.parametrize(
+    ("menu", "line", "message"),
+    [
+        ("price: 3", 1, "unknown key `price`; .*keys are orders, "),
+        ("- onion", 1, "not a mapping"),
+        ("orders: []\nname: mine", 2, "unknown key `name`"),
+        (f"{BOMB}orders: *a9", 1, "references"),
+        ("soup_reward: .inf", 1, ".inf is not a finite number"),
+        ("soup_reward: !!bool x", 1, "the tag"),
+        ("orders: " + "[" * 1000, 1, "more than 8"),
+        ("orders: \0", 1, "the character"),
+    ],
+)
+def test_a_menu_that_is_wrong_is_refused_with_its_line(tmp_path, menu, line, message):
     path = tmp_path / "odd.layout"
     path.write_text(f"{GOOD}\n---\n{menu}\n")
-    with pytest.raises(LayoutError, match=r"below the line '---' stand .*; write a mapping with keys of"):
+    with pytest.raises(LayoutError, match=rf"odd\.layout:{GOOD.count(chr(10)) + 2 + line}: {message}"):
         Layout.load(path)
+
+
+@pytest.mark.parametrize("name", ["x" * 300, "/proc/self/mem", "/dev/zero", "a\0b", "x" + "-mirrored" * 2000])
+def test_what_is_no_layout_file_is_refused(name):
+    with pytest.raises(LayoutError):
+        Layout.load(name)
 
 
 @pytest.mark.parametrize("name", layout_names())

@@ -48,7 +48,7 @@ def test_words_choose_among_what_ships():
     assert ids(load_items("S01-*seat1")) == ids(load_items(["S01-drop-dish-for-onion-seat1"]))
     assert {item.category for item in load_items(["convention", "S01"])} == {"convention", "state"}
     assert [s.id for s in load_scenarios(["S01", "C04"])] == ["C04-yield-pot-cell", "S01-drop-dish-for-onion"]
-    with pytest.raises(ScenarioError, match="did you mean S01-drop-dish-for-onion"):
+    with pytest.raises(ScenarioError, match="did you mean 'S01-drop-dish-for-onion'"):
         load_items("S01-drop-dish-for-onoin")
     with pytest.raises(ScenarioError, match="no scenario fits 'S0'"):
         load_items(["S01", "S0"])

@@ -1,6 +1,5 @@
 """Behaviours as they are written in scenarios: a mapping with `does` and its parameters."""
 
-import difflib
 from collections.abc import Callable, Mapping
 from typing import Any, Final, NamedTuple
 
@@ -9,7 +8,9 @@ from overcooked_bench.agents.behaviours.helping import helper
 from overcooked_bench.agents.behaviours.jobs import Finder, Job, Pace, carry, dumper, lay, onions, plater, receiver
 from overcooked_bench.agents.behaviours.timed import FROZEN, Loop, Noisy, Script, Switch
 from overcooked_bench.agents.behaviours.walking import Manner
+from overcooked_bench.documents import parse_yaml
 from overcooked_bench.kitchen.codes import ACTION_NAMES, Position
+from overcooked_bench.shelf import guess
 
 VERSION: Final = 1
 """Of what the behaviours do; it goes up when one acts differently, since results against it compare no more then."""
@@ -75,12 +76,12 @@ def parse_behaviour(mapping: Mapping[str, Any], at: str = "", manner: Manner = "
         raise ValueError(f"{at}a behaviour is {mapping!r}; write a mapping such as {{does: carry, insist: true}}")
     name = mapping["does"]
     if not isinstance(name, str) or name not in KINDS:
-        raise ValueError(f"{at}does: {name!r} is no behaviour;{_near(name, KINDS)} there are {', '.join(KINDS)}")
+        raise ValueError(f"{at}does: {name!r} is no behaviour; {guess(name, KINDS)}there are {', '.join(KINDS)}")
     kind = KINDS[name]
     allowed = ("does", *kind.needs, *kind.may, *(MANNERS if kind.walks else ()), *TIMED)
     for key in mapping:
         if key not in allowed:
-            raise ValueError(f"{at}{name!r} has no key {key!r};{_near(key, allowed)} its keys are {', '.join(allowed)}")
+            raise ValueError(f"{at}{name!r} has no key {key!r}; {guess(key, allowed)}its keys are {', '.join(allowed)}")
     for key in kind.needs:
         if key not in mapping:
             raise ValueError(f"{at}{name!r} needs the key {key!r}")
@@ -104,15 +105,7 @@ def behaviour_from_text(text: str) -> Behaviour:
     """
     if not text.lstrip().startswith("{"):
         return parse_behaviour({"does": text.strip()})
-    import yaml
-
-    try:
-        mapping = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise ValueError(
-            f"{text!r} is no mapping ({str(error).splitlines()[0]}); write one such as {{does: carry, insist: true}}"
-        ) from None
-    return parse_behaviour(mapping)
+    return parse_behaviour(parse_yaml(text, "behaviour").data)
 
 
 def _manner(mapping: Mapping[str, Any], at: str, manner: Manner) -> Manner:
@@ -199,7 +192,7 @@ def parse_actions(value: Any, at: str = "") -> tuple[int, ...]:
         name, star, times = str(word).partition("*")
         if name not in MOVES or (star and not (times.isdecimal() and 0 < int(times) < 1000)):
             raise ValueError(
-                f"{at}{word!r} is no action;{_near(name, MOVES)} write up, down, left, right, stay, interact"
+                f"{at}{word!r} is no action; {guess(name, MOVES)}write up, down, left, right, stay, interact"
             )
         actions += [MOVES[name]] * (int(times) if star else 1)
     return tuple(actions)
@@ -221,8 +214,3 @@ def _whole(value: Any, at: str, least: int) -> int:
     if type(value) is not int or value < least:
         raise ValueError(f"{at}: {value!r}; give a whole number from {least}")
     return value
-
-
-def _near(name: Any, names: Any) -> str:
-    close = difflib.get_close_matches(str(name), list(names), n=1)
-    return f" did you mean {close[0]!r}?" if close else ""

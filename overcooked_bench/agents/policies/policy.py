@@ -4,7 +4,6 @@ Both are parsed and checked, never unpickled. Torch is not needed to read or wri
 """
 
 import hashlib
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import prod
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from overcooked_bench.agents.policies.architectures import ARCHITECTURES, Architecture, Cnn, Mlp
 from overcooked_bench.errors import WrongUse
+from overcooked_bench.files import write_whole
 from overcooked_bench.kitchen.layout import Layout, LayoutError
 
 __all__ = [
@@ -106,8 +106,8 @@ def save_policy(
             tensors[name] = np.ascontiguousarray(array.astype(dtype))
     _check_tensors(architecture, tensors, files.weights)
     files.weights.parent.mkdir(parents=True, exist_ok=True)
-    _write(files.weights, save(tensors))
-    _write(files.architecture, msgspec.json.format(msgspec.json.encode(architecture), indent=2) + b"\n")
+    write_whole(files.weights, save(tensors))
+    write_whole(files.architecture, msgspec.json.format(msgspec.json.encode(architecture), indent=2) + b"\n")
     return files
 
 
@@ -215,9 +215,3 @@ def _read(file: Path) -> bytes:
         ) from None
     except OSError as error:
         raise PolicyError(f"{file}: cannot be read ({error.strerror})") from None
-
-
-def _write(file: Path, data: bytes) -> None:
-    unfinished = file.with_name(file.name + ".part")
-    unfinished.write_bytes(data)
-    os.replace(unfinished, file)

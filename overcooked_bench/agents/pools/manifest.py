@@ -1,9 +1,6 @@
 """A pool's manifest: what each agent is, how it came to be, and the hashes of its files."""
 
-import difflib
 import hashlib
-import os
-import re
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
@@ -12,8 +9,11 @@ from typing import TYPE_CHECKING, Final, Literal
 import msgspec
 
 from overcooked_bench.agents.pools.records import AgentRecord, HashedFile, Manifest, PoolAgent, PoolFiles
+from overcooked_bench.documents import read_json
 from overcooked_bench.errors import WrongUse
+from overcooked_bench.files import FileError, check_name, read_regular, write_whole
 from overcooked_bench.kitchen.layout import layout_names
+from overcooked_bench.shelf import guess
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.policies.policy import Policy
@@ -22,7 +22,8 @@ FORMAT: Final = 2
 """What is written. Format 1, without configuration, checkpoint and profile, is read too."""
 
 MANIFEST: Final = "manifest.json"
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
+MOST_BYTES: Final = 64 << 20
+"""Of a manifest, and of each of an agent's files."""
 
 
 class PoolError(WrongUse):
@@ -36,12 +37,7 @@ def read_manifest(folder: Path) -> Manifest:
         PoolError: It is missing or broken; names the entry.
     """
     file = folder / MANIFEST
-    try:
-        manifest = msgspec.json.decode(file.read_bytes(), type=Manifest)
-    except OSError as error:
-        raise PoolError(f"{file}: cannot be read ({error.strerror})") from None
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise PoolError(f"{file}: {error}; write it with write_manifest") from None
+    manifest = read_json(file, MOST_BYTES, Manifest, PoolError)
     _check(manifest, file)
     if manifest.hash != pool_hash(manifest):
         raise PoolError(
@@ -86,9 +82,7 @@ def write_manifest(
     for agent in entries:
         check_files(folder, manifest, agent)
         check_policy(folder, manifest, agent)
-    unfinished = folder / f"{MANIFEST}.part"
-    unfinished.write_bytes(msgspec.json.format(msgspec.json.encode(manifest), indent=2) + b"\n")
-    os.replace(unfinished, folder / MANIFEST)
+    write_whole(folder / MANIFEST, msgspec.json.format(msgspec.json.encode(manifest), indent=2) + b"\n")
     return manifest
 
 
@@ -101,6 +95,7 @@ def pool_hash(manifest: Manifest) -> str:
 def _check(manifest: Manifest, file: Path) -> None:
     if manifest.format not in (1, FORMAT):
         raise PoolError(f"{file}: format {manifest.format}; this version reads formats 1 and {FORMAT}")
+    check_name(manifest.name, f"{file}: the pool's name", PoolError)
     if not manifest.agents:
         raise PoolError(f"{file}: lists no agents; a pool has at least one")
     for agent in manifest.agents:
@@ -118,12 +113,12 @@ def _check(manifest: Manifest, file: Path) -> None:
 
 def _check_entry(manifest: Manifest, agent: PoolAgent, file: Path) -> None:
     which = f"{file}, agent {agent.layout}/{agent.name}"
-    if not _NAME.fullmatch(agent.name):
-        raise PoolError(f"{which}: a name consists of letters, digits and . _ - and begins with a letter or digit")
+    check_name(agent.name, f"{which}: the name", PoolError)
     if agent.layout not in layout_names():
-        near = difflib.get_close_matches(agent.layout, layout_names(), n=1, cutoff=0.4)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        raise PoolError(f"{which}: unknown layout {agent.layout!r}; {hint}Shipped are {', '.join(layout_names())}")
+        names = layout_names()
+        raise PoolError(
+            f"{which}: unknown layout {agent.layout!r}; {guess(agent.layout, names)}Shipped are {', '.join(names)}"
+        )
     if (agent.cooking, agent.mode) != (manifest.cooking, manifest.mode):
         raise PoolError(
             f"{which}: cooking {agent.cooking!r} and mode {agent.mode!r} in a pool of {manifest.cooking!r} and "
@@ -158,16 +153,18 @@ def check_files(folder: Path, manifest: Manifest, agent: PoolAgent) -> None:
     home = folder.resolve()
     for file in (agent.files.weights, agent.files.architecture):
         path = folder / file.path
-        if not path.resolve().is_relative_to(home):
+        try:
+            inside = path.resolve(strict=True).is_relative_to(home)
+        except (OSError, RuntimeError):
+            inside = True  # what is missing, or a link to itself, cannot be read either
+        if not inside:
             raise PoolError(
                 f"{_which(manifest, agent)}: {path} is a link that leads outside the pool's folder; copy the file"
             )
         try:
-            data = path.read_bytes()
-        except FileNotFoundError:
-            raise PoolError(f"{_which(manifest, agent)}: {path} is missing; restore it, or remove the entry") from None
-        except OSError as error:
-            raise PoolError(f"{_which(manifest, agent)}: {path} cannot be read ({error.strerror})") from None
+            data = read_regular(path, MOST_BYTES)
+        except FileError as error:
+            raise PoolError(f"{_which(manifest, agent)}: {error}; restore it, or remove the entry") from None
         if _sha256(data) != file.sha256:
             raise PoolError(
                 f"{_which(manifest, agent)}: {path} is not the file that the manifest was written for (SHA-256 "
@@ -197,10 +194,7 @@ def check_policy(folder: Path, manifest: Manifest, agent: PoolAgent) -> "Policy"
 def _with_files(agent: AgentRecord, folder: Path) -> PoolAgent:
     def hashed(suffix: str) -> HashedFile:
         path = f"{agent.layout}/{agent.name}{suffix}"
-        try:
-            return HashedFile(path=path, sha256=_sha256((folder / path).read_bytes()))
-        except OSError as error:
-            raise PoolError(f"agent {agent.layout}/{agent.name}: {folder / path}: {error.strerror}") from None
+        return HashedFile(path=path, sha256=_sha256(read_regular(folder / path, MOST_BYTES, raises=PoolError)))
 
     given = {name: getattr(agent, name) for name in AgentRecord.__struct_fields__}
     return PoolAgent(**given, files=PoolFiles(weights=hashed(".safetensors"), architecture=hashed(".json")))

@@ -4,12 +4,9 @@ A pool's folder holds `manifest.json` and for each agent `<layout>/<name>.safete
 Neither torch nor numba is needed to read it, only to play it.
 """
 
-import difflib
-import os
 from dataclasses import dataclass, field
-from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from overcooked_bench.agents.pools.manifest import (
     MANIFEST,
@@ -30,6 +27,7 @@ from overcooked_bench.agents.pools.records import (
     SelfPlay,
 )
 from overcooked_bench.kitchen.layout import layout_names
+from overcooked_bench.shelf import Shelf, guess
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.policies.policy import Policy
@@ -50,6 +48,11 @@ __all__ = [
     "shipped_pools",
     "write_manifest",
 ]
+
+
+_SHELF: Final = Shelf(
+    "pool", "overcooked_bench.baselines", f"/{MANIFEST}", PoolError, f"a folder with a {MANIFEST}", "pools"
+)
 
 
 @dataclass(frozen=True)
@@ -122,9 +125,9 @@ class Pool:
             raise PoolError(f"pool {self.name!r} has no agents for {layout!r}; it has {', '.join(self.layouts)}")
         named = {agent.name: agent for agent in self.agents(layout)}
         if name not in named:
-            near = difflib.get_close_matches(name, named, n=1, cutoff=0.4)
-            hint = f"did you mean {near[0]!r}? " if near else ""
-            raise PoolError(f"pool {self.name!r} has no agent {name!r} on {layout}; {hint}It has {', '.join(named)}")
+            raise PoolError(
+                f"pool {self.name!r} has no agent {name!r} on {layout}; {guess(name, named)}It has {', '.join(named)}"
+            )
         return named[name]
 
     def policy(self, layout: str, name: str) -> "Policy":
@@ -143,17 +146,12 @@ class Pool:
 
 def shipped_pools() -> tuple[str, ...]:
     """Lists the names of the pools that come with the package."""
-    shelf = _shelf()
-    return (
-        tuple(sorted(folder.name for folder in shelf.iterdir() if (folder / MANIFEST).is_file()))
-        if shelf.is_dir()
-        else ()
-    )
+    return _SHELF.names()
 
 
 def is_pool(name_or_folder: str | Path) -> bool:
     """Tells whether this is a shipped pool's name, or a folder with a manifest."""
-    return str(name_or_folder) in shipped_pools() or os.path.isfile(Path(name_or_folder) / MANIFEST)
+    return _SHELF.file(name_or_folder) is not None
 
 
 def find_pool(name_or_folder: str | Path) -> Path:
@@ -162,21 +160,4 @@ def find_pool(name_or_folder: str | Path) -> Path:
     Raises:
         PoolError: No such pool; names the shipped ones.
     """
-    if isinstance(name_or_folder, str) and name_or_folder in shipped_pools():
-        return _shelf() / name_or_folder
-    folder = Path(name_or_folder)
-    if (folder / MANIFEST).is_file():
-        return folder
-    if folder.is_dir():
-        raise PoolError(f"{folder}: no {MANIFEST} in this folder; write one with write_manifest")
-    shipped = shipped_pools()
-    near = difflib.get_close_matches(str(name_or_folder), shipped, n=1, cutoff=0.4)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    raise PoolError(
-        f"no pool named {str(name_or_folder)!r}; {hint}Shipped are {', '.join(shipped) or 'none'}; "
-        "a pool's folder will do too"
-    )
-
-
-def _shelf() -> Path:
-    return Path(str(files("overcooked_bench.baselines") / "pools"))
+    return _SHELF.find(name_or_folder).parent

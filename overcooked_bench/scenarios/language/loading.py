@@ -1,6 +1,5 @@
 """From YAML to `Scenario`; every error names the file and the line."""
 
-import difflib
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -8,16 +7,18 @@ from typing import Any, Final
 
 from overcooked_bench.agents.behaviours.behaviour import Behaviour
 from overcooked_bench.agents.behaviours.parsing import parse_actions, parse_behaviour
+from overcooked_bench.documents import LONGEST, Document, parse_yaml
+from overcooked_bench.files import read_text
 from overcooked_bench.kitchen.codes import MAX_INGREDIENTS, RECIPES, STAY, Position
 from overcooked_bench.kitchen.layout import Layout, LayoutError
 from overcooked_bench.kitchen.state import FACINGS, Chef, KitchenState, Soup, Thing, row_major
 from overcooked_bench.scenarios import CATEGORIES
 from overcooked_bench.scenarios.errors import ScenarioError
-from overcooked_bench.scenarios.language.nodes import Document, read_document
 from overcooked_bench.scenarios.language.picture import CHEFS, THINGS, PictureError, finished_soup, read_picture
 from overcooked_bench.scenarios.language.predicates import PredicateError, parse_any_of
 from overcooked_bench.scenarios.language.terms import Condition
 from overcooked_bench.scenarios.scenario import ACTIONS, Scenario
+from overcooked_bench.shelf import guess
 
 SUFFIX: Final = ".yaml"
 NEEDED: Final = ("id", "category", "layout", "kitchen", "A", "B", "accept", "why")
@@ -42,12 +43,7 @@ def load_scenario(path: str | Path) -> Scenario:
         ScenarioError: It cannot be read, or something in it is wrong; names the line.
     """
     file = Path(path)
-    try:
-        text = file.read_text("utf-8")
-    except UnicodeDecodeError as error:
-        raise ScenarioError(f"{path}:1: not a text file in UTF-8 ({error.reason}); save it as UTF-8") from None
-    except OSError as error:
-        raise ScenarioError(f"{path}: cannot be read: {error.strerror}") from None
+    text = read_text(file, LONGEST, raises=ScenarioError)
     return read_scenario(text, str(path), re.sub(r"\.scenario$", "", file.stem))
 
 
@@ -62,7 +58,7 @@ def read_scenario(text: str, where: str, name: str | None = None) -> Scenario:
     Raises:
         ScenarioError: Something is wrong; names the line.
     """
-    document = read_document(text, where)
+    document = parse_yaml(text, where, ScenarioError)
     for key in document.data:
         if key not in KEYS:
             raise document.error((key,), _unknown(key, KEYS))
@@ -291,6 +287,4 @@ _EXAMPLES: Final = {
 
 
 def _unknown(key: object, known: tuple[str, ...]) -> str:
-    near = difflib.get_close_matches(str(key), known, n=1)
-    hint = f"did you mean `{near[0]}`? " if near else ""
-    return f"unknown key `{key}`; {hint}Keys here are {', '.join(known)}"
+    return f"unknown key `{key}`; {guess(key, known)}Keys here are {', '.join(known)}"

@@ -1,7 +1,6 @@
 """The small language of `accept` and `never`: parsed with `ast`, every word checked, never evaluated by Python."""
 
 import ast
-import difflib
 from collections.abc import Sequence
 from typing import Final
 
@@ -26,6 +25,7 @@ from overcooked_bench.scenarios.language.terms import (
     PotSize,
     Term,
 )
+from overcooked_bench.shelf import guess
 
 LONGEST: Final = 500
 """Characters of a condition."""
@@ -172,9 +172,8 @@ class _Parser:
         if word in _AFTER_CHEF:
             forms = {"holds": "holds(dish)", "at": "at(2, 1)"}
             raise self._wrong(node, f"is written `{chef}.{forms.get(word, word)}`")
-        near = difflib.get_close_matches(word, _AFTER_CHEF, n=1)
-        hint = f"did you mean `{chef}.{near[0]}`? " if near else ""
-        raise self._wrong(node, f"is not in the language; {hint}After a chef come {', '.join(_AFTER_CHEF)}")
+        near = guess(word, _AFTER_CHEF)
+        raise self._wrong(node, f"is not in the language; {near}After a chef come {', '.join(_AFTER_CHEF)}")
 
     def _event(
         self, node: ast.expr, chef: str, event: str, arguments: list[ast.expr] | None, keywords: list[ast.keyword]

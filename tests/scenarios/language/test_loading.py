@@ -54,7 +54,7 @@ def test_a_pair_of_pots_in_one_row_changes_numbers_in_the_mirror():
 
 
 WRONG = {
-    "unknown_key": (dict(acept="A.pot >= 1"), 14, "unknown key `acept`; did you mean `accept`"),
+    "unknown_key": (dict(acept="A.pot >= 1"), 14, "unknown key `acept`; did you mean 'accept'"),
     "missing_key": (dict(why=""), 1, "`why` is missing"),
     "category": (dict(category="states"), 2, "choose one of state, partner"),
     "id": (dict(id="a/b"), 1, "letters, digits"),
@@ -65,7 +65,7 @@ WRONG = {
     "facing": (dict(A="{facing: north}"), 9, "up or down or right or left"),
     "no_facing": (dict(A="{holds: dish}"), 9, "no `facing`"),
     "holds": (dict(A="{facing: up, holds: pan}"), 9, "onion or tomato or dish or soup"),
-    "chef_key": (dict(A="{facing: up, hold: dish}"), 9, "did you mean `holds`"),
+    "chef_key": (dict(A="{facing: up, hold: dish}"), 9, "did you mean 'holds'"),
     "chef_is_text": (dict(A="up"), 9, "write a mapping"),
     "behaviour": (dict(B="{facing: up, does: frozn}"), 10, "did you mean 'frozen'"),
     "behaviour_key": (dict(B="{facing: up, does: carry, insit: true}"), 10, "did you mean 'insist'"),
@@ -78,7 +78,7 @@ WRONG = {
     "pot_long": (dict(pots="{1: cooking 21 left}"), 14, "cooks 20 steps"),
     "accept": (dict(accept="A.pot > = 1"), 11, "no condition"),
     "accept_list": (dict(accept="[]"), 11, "a condition, or a list"),
-    "never": (dict(never="A.pots >= 1"), 14, "did you mean `A.pot`"),
+    "never": (dict(never="A.pots >= 1"), 14, "did you mean 'pot'"),
     "budget": (dict(budget="0"), 12, "1 to 200"),
     "before_length": (dict(before="{A: [up], B: [up, up]}"), 14, "1 of A and 2 of B"),
     "before_action": (dict(before="{A: [upp]}"), 14, "did you mean 'up'"),
@@ -122,7 +122,7 @@ def test_a_picture_that_disagrees_is_told_with_its_line(old, new, line, message)
 
 
 def test_files_that_are_none(tmp_path):
-    with pytest.raises(ScenarioError, match="cannot be read: No such file"):
+    with pytest.raises(ScenarioError, match="cannot be read"):
         load_scenario(tmp_path / "none.yaml")
     (tmp_path / "latin.yaml").write_bytes("why: Käse".encode("latin-1"))
     with pytest.raises(ScenarioError, match="UTF-8"):

@@ -275,7 +275,7 @@ def test_faults_are_told_without_a_traceback_and_stay_with_their_scenarios(kitch
 def test_what_cannot_be_read_is_told_with_its_line(kitchens):
     write(kitchens, typo=edited(POT, id="T06-typo", pts="{1: ready}"))
     done = run(kitchens, "T06-typo.scenario.yaml")
-    done.stdout.fnmatch_lines(["*T06-typo.scenario.yaml:14: unknown key `pts`; did you mean `pots`?*"])
+    done.stdout.fnmatch_lines(["*T06-typo.scenario.yaml:14: unknown key `pts`; did you mean 'pots'?*"])
     assert "Traceback" not in done.stdout.str()
     kitchens.mkdir("again").joinpath("T02-pot.scenario.yaml").write_text(edited(POT, id="T02-pot"))
     done = run(kitchens, "T02-pot.scenario.yaml", "again")
