@@ -1,27 +1,25 @@
 """The queue behind `overcooked-bench pool build`: training runs side by side, each in a process of its own.
 
-The first Ctrl-C lets every run finish its update, saves, and stops; the second one ends them at once. Runs whose queue
-was killed notice it and stop by themselves. What a run prints is in `log.txt` in its folder.
+The first Ctrl-C (or SIGTERM) lets every run finish its update, saves, and stops; the second one ends them at once. Runs
+whose queue was killed notice it and stop by themselves. What a run prints is in `log.txt` in its folder.
 """
 
-import multiprocessing
 import os
 import signal
 import sys
-import threading
 import time
 import traceback
 from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, field
-from multiprocessing import resource_tracker
 from multiprocessing.connection import wait
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from typing import Any, Final
 
 from overcooked_bench.agents.pools.pool import PoolError
+from overcooked_bench.processes import follow_parent, hold_stops, listen, start_process
 
 from .learning.locks import locked
 from .pool_build import PoolBuildError, missing, publish, train_run
@@ -29,7 +27,6 @@ from .pool_config import PoolConfig, PoolConfigError, Run, load_pool_config
 
 LOG: Final = "log.txt"
 _DONE, _FAILED, _STOPPED, _TAKEN = 0, 1, 130, 75
-_ONE_THREAD: Final = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 Report = Callable[[str], None]
 
@@ -120,8 +117,8 @@ def build(
         try:
             while left and len(running) < processes and not result.stopped:
                 run = left.popleft()
-                with _deaf():  # until it is known whom to pass Ctrl-C on to
-                    process = _start(run, home / run.path, every)
+                with hold_stops():  # until it is known whom to pass Ctrl-C on to
+                    process = start_process(_work, run, home / run.path, every, name=run.path)
                     running[process.sentinel] = run, process
             for sentinel in wait(list(running), timeout=1.0):
                 run, process = running.pop(sentinel)
@@ -163,45 +160,15 @@ def _settle(run: Run, code: int | None, folder: Path, pool: Path, result: Result
         result.failed.append(run.path)
 
 
-def _start(run: Run, folder: Path, every: int) -> SpawnProcess:
-    """Starts a run on one thread; Ctrl-C reaches the queue alone, which passes it on, and the run once it listens."""
-    os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
-    process = multiprocessing.get_context("spawn").Process(target=_work, args=(run, folder, every), name=run.path)
-    process.start()
-    return process
-
-
-class _deaf(AbstractContextManager[None]):
-    """Keeps Ctrl-C waiting for a moment; a process that is made meanwhile begins with that, and `_listen` ends it."""
-
-    def __enter__(self) -> None:
-        if hasattr(signal, "pthread_sigmask"):
-            resource_tracker.ensure_running()  # else it is started with the process, and lets signals through
-            self._before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-
-    def __exit__(self, *_: object) -> None:
-        if hasattr(signal, "pthread_sigmask"):
-            signal.pthread_sigmask(signal.SIG_SETMASK, self._before)
-
-
-def _listen() -> None:
-    """Takes Ctrl-C from now on, one that came before too."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-
-
 def _work(run: Run, folder: Path, every: int) -> None:
     """What the process of a run does."""
-    if hasattr(os, "setpgrp"):
-        os.setpgrp()
-    threading.Thread(target=_follow_parent, daemon=True).start()
+    follow_parent(signal.SIGINT)
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / LOG).open("a", encoding="utf-8") as log:
         os.dup2(log.fileno(), 1)
         os.dup2(log.fileno(), 2)
     try:
-        _listen()
+        listen()
         with locked(folder, wait=False) as ours:
             code = _TAKEN
             if ours:
@@ -212,14 +179,6 @@ def _work(run: Run, folder: Path, every: int) -> None:
         traceback.print_exc()
         code = _FAILED
     sys.exit(code)
-
-
-def _follow_parent() -> None:
-    """Stops this process as Ctrl-C does where the queue has died."""
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-    parent.join()
-    os.kill(os.getpid(), signal.SIGINT)
 
 
 def _stop(processes: Sequence[SpawnProcess], at_once: bool) -> None:

@@ -1,6 +1,7 @@
 """`overcooked-bench`: parses, calls one function, prints.
 
-Exit codes: 0 done, 1 a failed check (the scored agent broke the contract), 2 wrong use, 130 stopped by Ctrl-C.
+Exit codes: 0 done, 1 a failed check (the scored agent broke the contract), 2 wrong use, 130 stopped by Ctrl-C or
+SIGTERM.
 """
 
 import argparse
@@ -14,6 +15,7 @@ from overcooked_bench.commands.common import console as make_console
 from overcooked_bench.commands.pool import add_pool
 from overcooked_bench.commands.scenarios import add_scenarios
 from overcooked_bench.errors import OvercookedBenchError
+from overcooked_bench.processes import sigterm_as_ctrl_c
 
 if TYPE_CHECKING:
     from overcooked_bench.evaluation.score import Scored
@@ -34,7 +36,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         The exit code.
     """
-    given = list(sys.argv[1:] if arguments is None else arguments)
+    with sigterm_as_ctrl_c():
+        return _run(list(sys.argv[1:] if arguments is None else arguments))
+
+
+def _run(given: list[str]) -> int:
     try:
         if given[:1] == ["train"] and len(given) > 1 and not given[1].startswith("-"):
             return _train(given[1], given[2:])

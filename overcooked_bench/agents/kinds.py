@@ -29,6 +29,9 @@ SCRIPT: Final = "script:"
 ANY_LAYOUT: Final = "{layout}"
 """Is replaced by the layout's name: `dev-v0/{layout}/sp-0` is another agent in each kitchen."""
 
+RUNS_CODE: Final = ("submission", "function")
+"""Kinds whose agents are somebody's code, which may end or block the process that it runs in."""
+
 _POLICY_SUFFIXES: Final = (".safetensors", ".json")
 
 

@@ -13,11 +13,11 @@ import msgspec
 
 from overcooked_bench.agents.agent import Reference
 from overcooked_bench.agents.catalogue import find
-from overcooked_bench.agents.kinds import Entrant
+from overcooked_bench.agents.kinds import RUNS_CODE, Entrant
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.errors import AgentFault
-from overcooked_bench.evaluation.games.block import Block, play_block
-from overcooked_bench.evaluation.games.engines import map_tasks
+from overcooked_bench.evaluation.games.block import Block, Outcome, play_block
+from overcooked_bench.evaluation.games.engines import Engine, open_engine
 from overcooked_bench.evaluation.games.replayed import check_returns
 from overcooked_bench.evaluation.games.roster import check_pool, roster
 from overcooked_bench.evaluation.games.store import Store
@@ -32,6 +32,8 @@ EPISODES_FILE: Final = "episodes.sqlite"
 SCORES_FILE: Final = "score.json"
 CURVE_FILE: Final = "curve.png"
 REPORT_FILE: Final = "report.html"
+
+ACT_TIMEOUT: Final = 60.0
 
 _PACKAGES: Final = ("overcooked-bench", "numpy", "numba", "torch")
 
@@ -77,6 +79,7 @@ def score(
     workers: int = 1,
     engine: str = "local",
     seed: int = 0,
+    act_timeout: float = ACT_TIMEOUT,
     on_progress: Callable[[Progress], None] = lambda _: None,
 ) -> Scored:
     """Scores an agent and writes score.json, episodes.sqlite, curve.png and report.html.
@@ -93,6 +96,8 @@ def score(
         workers: Processes.
         engine: "local", "dask" or "ray".
         seed: Other start states and random streams; scores that are to be compared use 0.
+        act_timeout: Seconds that one call of a submission's `act` may take, for a whole batch of episodes; a slower one
+            is a fault of the agent. Engine "local" only.
         on_progress: Called after each block.
 
     Raises:
@@ -144,7 +149,8 @@ def score(
             for run in range(entrant.training_seeds)
             for layout in chosen
         ]
-        unknown = _play_all(store, blocks, workers, engine, on_progress)
+        with open_engine(engine, workers, apart=entrant.kind in RUNS_CODE) as opened:
+            unknown = _play_all(store, blocks, opened, act_timeout, on_progress)
         attempted = [layout for layout in chosen if layout not in unknown]
         scored, overall = compute_layouts(store, rules, attempted, entrant.training_seeds, entrant.sha256)
     scores = Scores(
@@ -198,7 +204,7 @@ def _choose(rules: Protocol, layouts: Sequence[str] | None, entrant: Entrant) ->
 
 
 def _play_all(
-    store: Store, blocks: Sequence[Block], workers: int, engine: str, on_progress: Callable[[Progress], None]
+    store: Store, blocks: Sequence[Block], engine: Engine, act_timeout: float, on_progress: Callable[[Progress], None]
 ) -> set[str]:
     """Plays the blocks that the store lacks; gives the layouts that the agent does not know."""
     finished = store.blocks()
@@ -209,7 +215,7 @@ def _play_all(
     unknown: dict[str, str] = {}
     faults: list[str] = []
     unstopped = takewhile(lambda _: not faults, to_play)  # after a fault, what is being played is still stored
-    for outcome in map_tasks(play_block, unstopped, min(workers, len(to_play) or 1), engine):
+    for outcome in engine.map(play_block, unstopped, _lost, act_timeout):
         layout = outcome.key[0]
         if outcome.fault is not None:
             faults.append(outcome.fault)
@@ -226,6 +232,12 @@ def _play_all(
     for layout in sorted({block.layout for block in blocks if block.key in store.blocks()} & set(unknown)):
         raise ScoringFault(f"{layout}: the agent played some blocks and not others ({unknown[layout]})")
     return set(unknown)
+
+
+def _lost(block: Block, why: str) -> Outcome:
+    """Blames the agent for a block whose worker process died or was overdue."""
+    where = f"{block.layout}, training seed {block.training_seed}, episode {block.episode}"
+    return Outcome(block.key, fault=f"{where}: {why}")
 
 
 def _run_facts(started: datetime, seconds: float, workers: int, engine: str) -> dict[str, Any]:

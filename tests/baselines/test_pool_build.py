@@ -15,6 +15,7 @@ from overcooked_bench.baselines.pool_build import PoolBuildError, missing, publi
 from overcooked_bench.baselines.pool_config import PoolConfigError
 from overcooked_bench.baselines.pool_queue import main
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
+from overcooked_bench.processes import start_process
 from tests.baselines.learning.test_checkpoint import press_ctrl_c
 from tests.baselines.pools import OVERRIDES, THREE_AGENTS, group, pool_config, write_config
 from tests.baselines.tiny import UPDATE
@@ -137,7 +138,7 @@ def test_the_command_publishes_what_is_there(built, tmp_path, capsys, monkeypatc
         sentinel, exitcode, pid = 0, 0, 1
         join = kill = lambda self: None
 
-    monkeypatch.setattr(pool_queue, "_start", lambda *_: Ended())
+    monkeypatch.setattr(pool_queue, "start_process", lambda *_, name: Ended())
     monkeypatch.setattr(pool_queue, "wait", lambda sentinels, timeout: sentinels)
     where = {"runs": str(built / "runs"), "output": str(tmp_path / "pool")}
     config = str(write_config(tmp_path))
@@ -194,7 +195,7 @@ def test_the_steps_of_a_snapshot_are_those_it_had(algorithm, tmp_path, monkeypat
 
 def test_a_run_that_cannot_be_published_does_not_end_the_others(built, tmp_path, monkeypatch, capsys):
     ended = types.SimpleNamespace(sentinel=0, exitcode=0, join=lambda: None)
-    monkeypatch.setattr(pool_queue, "_start", lambda *_: ended)
+    monkeypatch.setattr(pool_queue, "start_process", lambda *_, name: ended)
     monkeypatch.setattr(pool_queue, "wait", lambda sentinels, timeout: sentinels)
     overrides = {**OVERRIDES, "gamma": 0.5}
     runs = pool_config(tmp_path, group(**{**THREE_AGENTS, "overrides": overrides}), group("other", first=1)).runs()
@@ -227,8 +228,7 @@ def test_a_population_enters_with_the_steps_of_its_agent(tmp_path):
 @pytest.mark.slow
 def test_ctrl_c_while_a_run_still_loads_stops_it(tmp_path):
     (run,) = pool_config(tmp_path, group(overrides={**OVERRIDES, "steps": 10_000 * UPDATE})).runs()
-    with pool_queue._deaf():
-        process = pool_queue._start(run, tmp_path / "run", 10**9)
+    process = start_process(pool_queue._work, run, tmp_path / "run", 10**9, name="run")
     pool_queue._stop([process], at_once=False)
     process.join(120)
     assert process.exitcode == 130
@@ -236,12 +236,11 @@ def test_ctrl_c_while_a_run_still_loads_stops_it(tmp_path):
 
 @pytest.mark.slow
 def test_ctrl_c_while_the_queue_starts_a_run_reaches_the_run(tmp_path, monkeypatch):
-    def start(*arguments):
+    def start(*arguments, name):
         signal.raise_signal(signal.SIGINT)
-        return real(*arguments)
+        return start_process(*arguments, name=name)
 
-    real = pool_queue._start
-    monkeypatch.setattr(pool_queue, "_start", start)
+    monkeypatch.setattr(pool_queue, "start_process", start)
     runs = pool_config(tmp_path, group(count=2, overrides={**OVERRIDES, "steps": 10_000 * UPDATE})).runs()
     result = pool_queue.build(runs, tmp_path / "runs", tmp_path / "pool", 1)
     assert result == pool_queue.Result(stopped=True)

@@ -144,11 +144,19 @@ def test_after_a_fault_in_a_worker_too(protocol, tmp_path):
         score(agent, protocol, output=tmp_path / "out", workers=2)
 
 
+@pytest.mark.parametrize(
+    ("act", "why", "workers"),
+    [
+        ("import os; os._exit(0)", "act, step 0: the worker process ended with exit code 0", 1),
+        ("import os; os.abort()", "act, step 0: the worker process was ended by SIGABRT", 2),
+        ("while True: pass", "act, step 0: no answer within 2 s", 1),
+    ],
+)
 @pytest.mark.slow
-def test_a_worker_that_dies_is_one_message(protocol, tmp_path):
-    agent = write_agent(tmp_path / "agent.py", act="import os; os._exit(7)")
-    with pytest.raises(EngineError, match=r"finished blocks are kept.*--workers 1"):
-        score(agent, protocol, output=tmp_path / "out", workers=2)
+def test_an_agent_that_ends_or_blocks_its_process_is_at_fault(act, why, workers, protocol, tmp_path):
+    agent = write_agent(tmp_path / "agent.py", act=act)
+    with pytest.raises(ScoringFault, match=rf"cramped_room, training seed 0, episode .: {why}"):
+        score(agent, protocol, output=tmp_path / "out", workers=workers, act_timeout=2)
 
 
 def test_a_standard_start_needs_start_cells(tmp_path):

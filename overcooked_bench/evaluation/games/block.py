@@ -13,6 +13,7 @@ from overcooked_bench.agents.catalogue import find_unchanged
 from overcooked_bench.agents.mirror import mirrored
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.agents.threads import one_thread
+from overcooked_bench.agents.watch import LOADING, calling
 from overcooked_bench.evaluation.games.episode import Episode, pack_actions, pack_state, side_of
 from overcooked_bench.evaluation.games.play import Games, Party, PlayFault, make_kitchens, play
 from overcooked_bench.evaluation.games.roster import Partner, pool_as_hashed, roster, seat_partners
@@ -83,7 +84,8 @@ def play_block(block: Block) -> Outcome:
     partners = roster(block.protocol, pool_as_hashed(block.pool, block.pool_sha256), block.layout)
     who, seats = _deal(block, partners)
     with one_thread():
-        make = find_unchanged(block.agent, block.agent_sha256, block.protocol.mode).make
+        with calling("loading", LOADING):
+            make = find_unchanged(block.agent, block.agent_sha256, block.protocol.mode).make
         try:
             try:
                 games, adapted = _play(block, make, partners, who, seats, adapted=False), False
@@ -113,7 +115,8 @@ def _play(
     protocol, layout = block.protocol, block.layout
     pool = pool_as_hashed(block.pool, block.pool_sha256)
     with _seeded(stream_key(*_belongs(block), block.training_seed)):
-        ego = make(layout.removesuffix(MIRRORED) if adapted else layout, block.training_seed)
+        with calling("make_agent", LOADING):
+            ego = make(layout.removesuffix(MIRRORED) if adapted else layout, block.training_seed)
         parties = [
             Party(mirrored(ego) if adapted else ego, np.arange(len(who)), seats),
             *seat_partners(partners, who, 1 - seats, pool, protocol.mode, layout),

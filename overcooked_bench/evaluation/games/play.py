@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import GameError, UnknownLayout
 from overcooked_bench.agents.submissions.checks import AgentError, check_actions
+from overcooked_bench.agents.watch import LOADING, calling
 from overcooked_bench.errors import AgentFault
 from overcooked_bench.evaluation.games.streams import stream_key
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
@@ -161,7 +162,8 @@ def play(
     kitchens.autoreset = False
     for index, (agent, rows, seats) in enumerate(parties):
         try:
-            agent.reset(kitchens.layout.name, seats.copy(), seeds[rows, seats])
+            with calling("reset", LOADING):
+                agent.reset(kitchens.layout.name, seats.copy(), seeds[rows, seats])
         except UnknownLayout:
             raise
         except (Exception, SystemExit) as error:
@@ -184,7 +186,8 @@ def play(
             name = agent.observation
             seen = [states[row] for row in rows] if name == STATE else views[name][rows, seats]
             try:
-                answer = agent.act(seen)
+                with calling(f"act, step {step}"):
+                    answer = agent.act(seen)
             except (Exception, SystemExit) as error:
                 raise PlayFault(_told("act", error), index, step, _row_named(error, len(rows))) from error
             joint[rows, seats] = _checked(answer, len(rows), index, step)
