@@ -1,7 +1,7 @@
-"""The running episode against partners, kept so that it can be played again.
+"""Keeps the running episode against partners, so that it can be replayed.
 
-What a partner remembers is its own. An episode is therefore saved as its start and the joint actions since, and brought
-back by playing these through the kitchens while the partners are asked what they were asked then.
+A partner's memory belongs to the partner. An episode is therefore saved as its start and the joint actions since, and
+restored by playing these in the kitchens while the partners are shown what they saw then.
 
 Axes: N kitchens, T steps played since the episode began.
 """
@@ -19,7 +19,7 @@ _WORD: Final = 2**64 - 1
 
 
 class EpisodeLog:
-    """How the running episode began and what was played since.
+    """Records how the running episode started and what was played since.
 
     Attributes:
         seats: (N,) the partners' seats.
@@ -36,25 +36,25 @@ class EpisodeLog:
         self._start, self.seats, self._seeds, self._played = kitchens.snapshot(), seats, seeds, []
 
     def note(self, joint: NDArray[np.int64]) -> None:
-        """Notes the joint actions (N, 2) of a step."""
+        """Records the joint actions (N, 2) of a step."""
         self._played.append(joint.astype(np.uint8))
 
     def arrays(self) -> Arrays:
-        """Gives the recording as arrays; `replay` takes them back."""
+        """Returns the recording as arrays, as `replay` takes them."""
         played = np.stack(self._played) if self._played else np.zeros((0, len(self.seats), 2), np.uint8)
         start = {f"start.{name}": array.copy() for name, array in self._start.items()}
         return {**start, "seats": self.seats.copy(), "seeds": self._seeds.copy(), "played": played}
 
     def replay(self, arrays: Arrays, kitchens: Kitchens, partners: Partners) -> None:
-        """Plays a saved episode again, up to where it was saved.
+        """Replays a saved episode up to the step at which it was saved.
 
         Args:
             arrays: From `arrays`.
-            kitchens: Brought to where they were then.
-            partners: Those who played then; they are reset, and asked at every step.
+            kitchens: Set to the saved state.
+            partners: The agents that played then; they are reset, and asked at every step.
 
         Raises:
-            ValueError: The partners answer otherwise than they did, or the arrays are those of other kitchens.
+            ValueError: The partners act differently now, or the arrays belong to other kitchens.
         """
         start = {name.removeprefix("start."): a for name, a in arrays.items() if name.startswith("start.")}
         self._start, self._played = {}, []
@@ -71,22 +71,22 @@ class EpisodeLog:
                 i = int(np.argmax(answers != recorded))
                 raise ValueError(
                     f"kitchen {i}, step {step} of the running episode: the partner plays {answers[i]} where it played "
-                    f"{recorded[i]} when the snapshot was made; set the same partners, whose play depends on what "
-                    "reset() told them and on what they see alone"
+                    f"{recorded[i]} when the snapshot was made; set the same partners, whose actions depend only on "
+                    "what reset() passes and on what they observe"
                 )
             kitchens.play(joint, rewards, truncated)
             self.note(joint)
 
 
 def generator_state(generator: np.random.Generator) -> NDArray[np.uint64]:
-    """Gives all that a generator's future depends on: (6,) uint64."""
+    """Returns a generator's whole state: (6,) uint64."""
     state: Any = generator.bit_generator.state
     words = [word for name in ("state", "inc") for word in divmod(state["state"][name], _WORD + 1)]
     return np.array([*words, state["has_uint32"], state["uinteger"]], np.uint64)
 
 
 def set_generator_state(generator: np.random.Generator, state: NDArray[Any]) -> None:
-    """Takes back what `generator_state` gave."""
+    """Sets a generator to what `generator_state` returned."""
     high, low, inc_high, inc_low, has_uint32, uinteger = map(int, state.astype(np.uint64))
     generator.bit_generator.state = {
         "bit_generator": "PCG64",

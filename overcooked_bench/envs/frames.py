@@ -1,4 +1,4 @@
-"""What `render` shows, for all environments."""
+"""Renders the kitchens of all environments."""
 
 from typing import Any, Final
 
@@ -9,10 +9,10 @@ RENDER_FPS: Final = 8
 
 
 def checked_mode(render_mode: str | None) -> str | None:
-    """Gives the render mode back.
+    """Returns the render mode that was given.
 
     Raises:
-        ValueError: It is none of ours.
+        ValueError: There is no such mode.
     """
     if render_mode == "human":
         raise ValueError(
@@ -25,7 +25,7 @@ def checked_mode(render_mode: str | None) -> str | None:
 
 
 def frame(kitchens: Kitchens, i: int, render_mode: str | None) -> Any:
-    """Shows kitchen i: an (h, w, 3) uint8 picture, text, or None where there is no render mode."""
+    """Shows kitchen i: an (h, w, 3) uint8 picture, text, or None without a render mode."""
     if render_mode is None:
         return None
     if render_mode == "ansi":

@@ -23,8 +23,8 @@ _LEAST_PIXELS = 240  # drawn width of a tile before it is scaled down
 class Brush:
     """Draws one tile on a transparent ground.
 
-    Coordinates run from 0 to 1 over the tile, x to the right and y downwards; a margin round it takes what sticks out.
-    A shape replaces what lies under it, so only the first shapes may be translucent.
+    Coordinates run from 0 to 1 over the tile, x to the right and y downwards; a margin around it has room for what
+    sticks out. A shape replaces what is under it, so only the first shapes may be translucent.
 
     Args:
         tile_size: Width of the finished tile, pixels.
@@ -44,13 +44,13 @@ class Brush:
     def disc(
         self, x: float, y: float, r: float, fill: Colour, edge: Colour | None = None, width: float = 0.025
     ) -> None:
-        """Draws a circle of radius r about (x, y); the edge lies inside it."""
+        """Draws a circle of radius r about (x, y); the edge is inside it."""
         self.oval(x, y, r, r, fill, edge, width)
 
     def oval(
         self, x: float, y: float, rx: float, ry: float, fill: Colour, edge: Colour | None = None, width: float = 0.025
     ) -> None:
-        """Draws an ellipse about (x, y); the edge lies inside it."""
+        """Draws an ellipse about (x, y); the edge is inside it."""
         if edge is not None:
             self._draw.ellipse(self._corners(x - rx, y - ry, x + rx, y + ry), edge)
             rx, ry = rx - width, ry - width
@@ -82,7 +82,7 @@ class Brush:
         self._draw.text(self._pixel(x, y), text, fill, font, "mm", stroke_width=stroke, stroke_fill=edge)
 
     def finish(self) -> NDArray[np.uint8]:
-        """Gives the picture, (size, size, 4) uint8 with size = tile + 2 margins."""
+        """Returns the picture, (size, size, 4) uint8 with size = tile + 2 margins."""
         from PIL import Image
 
         return np.asarray(self._image.resize((self._size, self._size), Image.Resampling.LANCZOS))
@@ -99,7 +99,7 @@ class Brush:
 
 @lru_cache(maxsize=64)
 def font_of(pixels: int) -> FreeTypeFont | ImageFont:
-    """Gives Pillow's own font, which is the same on every machine."""
+    """Returns Pillow's own font, which is the same on every machine."""
     from PIL import ImageFont
 
     return ImageFont.load_default(max(4, pixels))

@@ -20,14 +20,14 @@ _LEAST_FONT = 7
 
 
 def caption_height(tile_size: int) -> int:
-    """Gives the height of a line below a kitchen, pixels."""
+    """Returns the height of a line below a kitchen, pixels."""
     return max(14, round(0.5 * tile_size))
 
 
 def status_line(width: int, height: int, caption: str, names: tuple[str, str] | None = None) -> NDArray[np.uint8]:
-    """Writes the chefs' names beside their colours, and the caption: on the right, or without names on the left.
+    """Writes the chefs' names next to their colours, and the caption on the right, or on the left without names.
 
-    The text shrinks where it does not fit; then the names are left out, then the caption is cut.
+    Text that does not fit shrinks; then the names are left out, then the caption is cut.
 
     Returns:
         (height, width, 3) uint8.
@@ -80,7 +80,7 @@ def _write(
 
 @lru_cache(maxsize=64)
 def _disc(size: int, share: float) -> Image:
-    """Gives a smooth disc's opacity, (size, size)."""
+    """Returns a smooth disc's opacity, (size, size)."""
     from PIL import Image
 
     brush = Brush(size)

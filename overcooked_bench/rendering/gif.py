@@ -1,4 +1,4 @@
-"""Small animated GIFs: one palette for all frames, and in each frame only the pixels that changed."""
+"""Writes small animated GIFs: one palette for all frames, and in each frame only the pixels that changed."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ COLOURS = 255
 _EXACT = 64  # the most frequent colours are kept as they are
 _LAST_FRAME_MS = 2000
 _REPEAT = b"\x21\xff\x0bNETSCAPE2.0\x03\x01\x00\x00\x00"
-_KEEP = 1  # disposal: the next frame is laid over this one
+_KEEP = 1  # disposal: the next frame is drawn over this one
 
 
 def write_gif(path: str | Path, pictures: Iterable[NDArray[np.uint8]], fps: float) -> Path:
-    """Writes pictures of one size as a GIF that repeats for ever and rests on its last frame.
+    """Writes pictures of one size as a GIF that repeats forever and rests on its last frame.
 
     Args:
         path: The file.
         pictures: (h, w, 3) uint8 each; read one by one.
-        fps: Frames a second.
+        fps: Frames per second.
 
     Returns:
         The path.
@@ -71,7 +71,7 @@ def _frame(indices: NDArray[np.uint8], duration: float) -> bytes:
 
 
 def _packed(picture: NDArray[np.uint8]) -> NDArray[np.uint32]:
-    """Gives one number for each pixel's colour, (h, w)."""
+    """Returns one number for each pixel's colour, (h, w)."""
     return picture.astype(np.uint32) @ np.array([65536, 256, 1], np.uint32)
 
 
@@ -80,7 +80,7 @@ def _unpacked(colours: NDArray[np.uint32]) -> NDArray[np.uint8]:
 
 
 def _palette(colours: NDArray[np.uint32], counts: NDArray[np.intp]) -> NDArray[np.uint8]:
-    """Chooses 256 colours: the most frequent ones as they are, for the rest what a median cut gives."""
+    """Chooses 256 colours: the most frequent ones as they are, and a median cut for the rest."""
     from PIL import Image
 
     by_count = np.argsort(-counts, kind="stable")
@@ -95,7 +95,7 @@ def _palette(colours: NDArray[np.uint32], counts: NDArray[np.intp]) -> NDArray[n
 
 
 def _nearest(colours: NDArray[np.uint32], palette: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Gives the palette's index of each colour."""
+    """Returns the palette's index of each colour."""
     wanted, offered = _unpacked(colours).astype(np.int32), palette[:COLOURS].astype(np.int32)
     chunks = [wanted[k : k + 1024, None] - offered for k in range(0, len(wanted), 1024)]
     return np.concatenate([(chunk**2).sum(axis=2).argmin(axis=1) for chunk in chunks]).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""The kitchen as a picture."""
+"""Draws a kitchen as a picture."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ def draw(
 
     Args:
         layout: The floor plan.
-        state: Who stands where with what, and what lies where.
+        state: The chefs and objects to draw.
         tile_size: Pixels, at least 8.
-        caption: Text of a slim line below the kitchen, such as the step and the points; no line where None.
-        names: Who sits on seats 0 and 1, written in that line beside the chefs' colours.
+        caption: Text of a slim line below the kitchen, such as the step and the points; None for no line.
+        names: Names of the agents on seats 0 and 1, written in that line next to the chefs' colours.
 
     Returns:
-        (h, w, 3) uint8: h = H * tile_size, and `caption_height(tile_size)` where there is a line, w = W * tile_size.
+        (h, w, 3) uint8: h = H * tile_size, plus `caption_height(tile_size)` if there is a line, w = W * tile_size.
 
     Raises:
         ValueError: The tiles are too small to draw, or the state does not fit the layout.
@@ -75,7 +75,7 @@ def _pot(layout: Layout, state: KitchenState, position: tuple[int, int], tile_si
 
 @lru_cache(maxsize=32)
 def _background(rows: tuple[str, ...], tile_size: int) -> Image:
-    """Draws what never changes: floor, counters and what stands on them for good."""
+    """Draws what never changes: floor, counters, dispensers and serving tiles."""
     from PIL import Image as Pictures
     from PIL import ImageDraw
 
@@ -106,7 +106,7 @@ def _background(rows: tuple[str, ...], tile_size: int) -> Image:
 
 
 def _put(image: Image, sprite: Image, position: tuple[int, int], tile_size: int) -> None:
-    """Lays a translucent sprite (s, s, 4) over the picture, its middle on the middle of a cell."""
+    """Draws a translucent sprite (s, s, 4) over the picture, centred on a cell."""
     size = sprite.shape[0]
     margin = (size - tile_size) // 2
     left, top = position[0] * tile_size - margin, position[1] * tile_size - margin

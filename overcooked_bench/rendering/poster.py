@@ -1,4 +1,4 @@
-"""Several kitchens in one picture."""
+"""Draws several kitchens in one picture."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def poster(
     columns: int = 3,
     tile_size: int = 40,
 ) -> NDArray[np.uint8]:
-    """Draws kitchens in rows, each above its title; what does not fill a row or its height stands in the middle.
+    """Draws kitchens in rows, each above its title; kitchens that do not fill a row are centred.
 
     Args:
         kitchens: Pairs of layout and state, from left to right and top to bottom.

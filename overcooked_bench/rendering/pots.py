@@ -1,4 +1,4 @@
-"""How far the soup in a pot is."""
+"""Says how far the soup in a pot is."""
 
 from overcooked_bench.kitchen.codes import RECIPES
 from overcooked_bench.kitchen.layout import Layout
@@ -6,7 +6,7 @@ from overcooked_bench.kitchen.state import Soup
 
 
 def progress(layout: Layout, soup: Soup) -> tuple[int, int] | None:
-    """Gives (steps cooked, steps in all), None while idle; a soup that does not know its time takes the layout's."""
+    """Returns (steps cooked, cook time), or None while idle; a soup without a cook time of its own has the layout's."""
     if soup.is_idle:
         return None
     cook_time = soup.cook_time if soup.cook_time >= 0 else layout.cook_times[RECIPES.index(soup.recipe)]

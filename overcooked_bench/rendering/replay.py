@@ -1,4 +1,4 @@
-"""Episodes played again from their joint actions, in a terminal or as a GIF."""
+"""Replays episodes from their joint actions, in a terminal or as a GIF."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ def frames_of(
     cooking: str = "auto",
     horizon: int = 400,
 ) -> Iterator[Frame]:
-    """Plays an episode again; the joint actions alone reproduce it.
+    """Replays an episode; the joint actions alone reproduce it.
 
     Args:
         layout: The floor plan, or what `Layout.load` takes.
         initial: The first state, or its dictionary form (`KitchenState.to_dict`).
         actions: (T, 2) ints, T joint actions.
-        cooking: "auto" or "manual", as the episode was played.
+        cooking: "auto" or "manual", whichever the episode was played in.
         horizon: Steps of the episode.
 
     Yields:
@@ -58,7 +58,7 @@ def frames_of(
     state = initial if isinstance(initial, KitchenState) else KitchenState.from_dict(initial)
     joint = np.asarray(actions)
     if joint.ndim != 2 or joint.shape[1] != 2:
-        raise ValueError(f"actions have the shape {joint.shape}; give (T, 2), one joint action a row")
+        raise ValueError(f"actions have the shape {joint.shape}; give (T, 2), one joint action per row")
     if state.timestep + len(joint) > horizon:
         raise ValueError(
             f"{len(joint)} joint actions from step {state.timestep} go beyond the horizon of {horizon}; "
@@ -92,8 +92,8 @@ def save_gif(
         frames: From `frames_of`.
         tile_size: Pixels.
         every: Keep each k-th frame, and always the last.
-        fps: Frames a second.
-        names: Who sits on seats 0 and 1.
+        fps: Frames per second.
+        names: Names of the agents on seats 0 and 1.
 
     Returns:
         The path.
@@ -123,11 +123,11 @@ def save_poster_gif(
 
     Args:
         path: The file.
-        kitchens: Pairs of layout and its frames; the shortest episode ends the film.
+        kitchens: Pairs of layout and its frames; the animation ends with the shortest episode.
         columns: Kitchens in a row.
         tile_size: Pixels.
         every: Keep each k-th frame, and always the last.
-        fps: Frames a second.
+        fps: Frames per second.
 
     Returns:
         The path.
@@ -160,15 +160,15 @@ def play_in_terminal(
     names: tuple[str, str] | None = None,
     out: IO[str] | None = None,
 ) -> float:
-    """Shows an episode as text: redrawn in place on a terminal, only its first and last frame elsewhere.
+    """Shows an episode as text: redrawn in place on a terminal, and only its first and last frame in a file or pipe.
 
     Args:
         layout: The floor plan.
         frames: From `frames_of`.
-        fps: Frames a second; nothing waits elsewhere than on a terminal.
+        fps: Frames per second; ignored if `out` is not a terminal.
         every: Show each k-th frame, and always the last.
-        names: Who sits on seats 0 and 1.
-        out: Where to write; standard output by default. A terminal that is too small is treated as none.
+        names: Names of the agents on seats 0 and 1.
+        out: Where to write; standard output by default. A terminal that is too small counts as a file.
 
     Returns:
         The points at the end.
@@ -223,4 +223,4 @@ def _expect_pace(every: int, fps: float) -> None:
     if every < 1:
         raise PaceError(f"every={every!r}; give 1 for each frame, 2 for every second one, ...")
     if not 0 < fps <= 50:
-        raise PaceError(f"fps={fps!r}; give frames a second, at most 50")
+        raise PaceError(f"fps={fps!r}; give frames per second, at most 50")

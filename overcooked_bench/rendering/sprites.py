@@ -1,4 +1,4 @@
-"""How every tile, thing and chef looks, drawn from circles and polygons."""
+"""Draws every tile, object and chef from circles and polygons."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from overcooked_bench.kitchen.state import FACINGS, Soup, Thing
 from overcooked_bench.rendering.brush import Brush, Colour
 
 MARGIN = 0.25
-"""Room round a chef's tile for what is held out, tiles."""
+"""Room around a chef's tile for the object that it holds, tiles."""
 
 CHEF_COLOURS: tuple[Colour, Colour] = ((0, 107, 178), (240, 138, 0))
 """Seats 0 and 1.
 
-Source: blue and orange after the palette for colour-blind readers of Okabe and Ito (2008).
+Source: blue and orange from the colour-blind safe palette of Okabe and Ito (2008).
 """
 
 FLOORS: tuple[Colour, Colour] = ((246, 239, 226), (237, 227, 209))
@@ -118,7 +118,7 @@ def liquid(recipe: Recipe) -> Colour:
 
 
 def marks(brush: Brush, x: float, y: float, spread: float, size: float, recipe: Recipe) -> None:
-    """Draws one small ingredient for each of a recipe's, about (x, y)."""
+    """Draws a recipe's ingredients, small, about (x, y)."""
     kinds = [onion] * recipe[0] + [tomato] * recipe[1]
     for (dx, dy), kind in zip(_places(len(kinds)), kinds, strict=True):
         kind(brush, x + dx * spread, y + dy * spread, size)
@@ -155,7 +155,7 @@ def cloche(brush: Brush) -> None:
 
 @lru_cache(maxsize=256)
 def fixture(tile: str, tile_size: int) -> NDArray[np.uint8]:
-    """Draws what stands on a counter for good, (tile, tile, 4) uint8: dispensers, the serving hatch, a stove."""
+    """Draws what is fixed to a counter, (tile, tile, 4) uint8: a dispenser, the serving hatch, a stove."""
     brush = Brush(tile_size)
     if tile == "S":
         cloche(brush)
@@ -180,7 +180,7 @@ def pot(recipe: Recipe, tick: int, cook_time: int, tile_size: int) -> NDArray[np
     Args:
         recipe: (onions, tomatoes), (0, 0) for an empty pot.
         tick: Steps cooked, -1 while idle.
-        cook_time: Steps it takes in all.
+        cook_time: Steps until it is ready.
         tile_size: Pixels.
     """
     brush = Brush(tile_size)
@@ -215,7 +215,7 @@ def pot(recipe: Recipe, tick: int, cook_time: int, tile_size: int) -> NDArray[np
 
 
 def _remaining(brush: Brush, recipe: Recipe, steps: int, tile_size: int) -> None:
-    """Writes the steps to go above a small row of the ingredients; larger figures on small tiles."""
+    """Writes the remaining steps above a small row of the ingredients; larger figures on small tiles."""
     kinds = [onion] * recipe[0] + [tomato] * recipe[1]
     small = tile_size < 32
     for k, kind in enumerate(kinds):
@@ -226,7 +226,7 @@ def _remaining(brush: Brush, recipe: Recipe, steps: int, tile_size: int) -> None
 
 @lru_cache(maxsize=512)
 def lying(what: Thing, tile_size: int) -> NDArray[np.uint8]:
-    """Draws what lies on a counter, (tile, tile, 4) uint8."""
+    """Draws the object on a counter, (tile, tile, 4) uint8."""
     brush = Brush(tile_size)
     brush.oval(0.5, 0.6, 0.3, 0.26, (0, 0, 0, 50))
     thing(brush, 0.5, 0.5, 0.6, what)
@@ -235,7 +235,7 @@ def lying(what: Thing, tile_size: int) -> NDArray[np.uint8]:
 
 @lru_cache(maxsize=512)
 def chef(seat: int, facing: str, holding: Thing | None, tile_size: int) -> NDArray[np.uint8]:
-    """Draws a chef from above with what is held in front, (tile + 2 margins, ..., 4) uint8."""
+    """Draws a chef from above, holding its object in front, (tile + 2 margins, ..., 4) uint8."""
     brush = Brush(tile_size, MARGIN)
     fx, fy = DIRECTIONS[FACINGS.index(facing)]
     colour = CHEF_COLOURS[seat]

@@ -1,4 +1,4 @@
-"""The kitchen as text for a terminal."""
+"""Draws a kitchen as text for a terminal."""
 
 from __future__ import annotations
 
@@ -40,16 +40,16 @@ _POT_READY: _Look = (16, 46, True)
 def film(
     layout: Layout, state: KitchenState, *, colour: bool = True, legend: bool = True, names: Sequence[str] = "01"
 ) -> str:
-    r"""Writes a kitchen as text, one line a row and three characters a tile.
+    r"""Draws a kitchen as text, one line per row and three characters per tile.
 
-    A chef is name, arrow and what is held (`1>o`). Pots are `[_]` empty, `[2]` with that many ingredients, `~12` with
-    that many steps to cook, `[!]` ready. `<O>`, `<T>` and `<D>` hand out onions, tomatoes and dishes, `<S>` serves.
-    `###` is a counter and `#o#` one with an onion on it (t tomato, d dish, s soup).
+    A chef is its name, an arrow and the object that it holds (`1>o`). Pots are `[_]` empty, `[2]` with that many
+    ingredients, `~12` with that many steps to cook, `[!]` ready. `<O>`, `<T>` and `<D>` hand out onions, tomatoes and
+    dishes, `<S>` serves. `###` is a counter and `#o#` one with an onion on it (t tomato, d dish, s soup).
 
     Args:
         layout: The floor plan.
-        state: Who stands where with what, and what lies where.
-        colour: Whether to add ANSI colours; without them the text is plain ASCII.
+        state: The chefs and objects to draw.
+        colour: Whether to add ANSI colours; the text is plain ASCII without them.
         legend: Whether to add a line for the step and the chefs, and one for each soup.
         names: Of the chefs by seat, one letter each.
 
@@ -68,7 +68,7 @@ def film(
 
 
 def side_by_side(pictures: Sequence[str], width: int = 100) -> str:
-    """Lays pictures beside each other, from left to right, in as many rows as are needed.
+    """Puts pictures side by side, from left to right, in as many rows as are needed.
 
     Args:
         pictures: Texts of several lines, with or without ANSI colours.
@@ -87,14 +87,14 @@ def side_by_side(pictures: Sequence[str], width: int = 100) -> str:
 
 
 def describe(thing: Thing | None) -> str:
-    """Names what is held or lies somewhere: "nothing", "onion", "soup of 2 onions and 1 tomato"."""
+    """Returns an object's name: "nothing", "onion", "soup of 2 onions and 1 tomato"."""
     if thing is None:
         return "nothing"
     return f"soup of {_ingredients(thing)}" if isinstance(thing, Soup) else thing
 
 
 def _shown(text: str) -> int:
-    """Counts the characters that a terminal shows of a line."""
+    """Counts a line's characters on a terminal, without its colour codes."""
     return len(re.sub(r"\x1b\[[0-9;]*m", "", text))
 
 

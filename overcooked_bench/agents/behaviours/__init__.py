@@ -1,1 +1,1 @@
-"""The small language of scripted partners, and the agents that carry it out."""
+"""The small language of scripted partners, and the agents that execute it."""

@@ -1,6 +1,6 @@
-"""What a scripted partner is: it sees a part of the kitchen and the time, and always does the same where they are same.
+"""Defines scripted partners: functions of a part of the kitchen and the time.
 
-A behaviour remembers nothing, so that whoever interferes cannot confuse it, and a search can ask it about any state.
+A behaviour has no memory, so interference cannot confuse it, and a search can ask it about any state.
 """
 
 from abc import ABC, abstractmethod
@@ -19,80 +19,80 @@ from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.state import Chef, KitchenState, Soup
 
 Content = Literal["onion", "tomato", "dish", "soup", "cooking", "ready"] | int | None
-"""What is in a chef's hands, on a counter or in a pot; a number counts the ingredients of a pot that does not cook."""
+"""Content of a chef's hands, a counter or a pot; a number counts the ingredients of a pot that is not cooking."""
 
 _REMEMBERED: Final = 1 << 16
 
 
 @dataclass(frozen=True)
 class Sight:
-    """What a behaviour looks at besides its own chef and the time; whatever else changes, it does the same.
+    """Lists what a behaviour depends on besides its own chef and the time.
 
     Attributes:
-        pots: What is in all pots, but not how long it still cooks.
-        counters: What lies on these counters.
-        mate: Where the other chef stands.
-        mate_facing: Where the other chef looks.
+        pots: The content of all pots, but not the remaining cook time.
+        counters: The content of these counters.
+        partner: The other chef's cell.
+        partner_facing: The other chef's direction.
     """
 
     pots: bool = False
     counters: frozenset[Position] = frozenset()
-    mate: bool = False
-    mate_facing: bool = False
+    partner: bool = False
+    partner_facing: bool = False
 
     def __or__(self, other: "Sight") -> "Sight":
         return Sight(
             self.pots or other.pots,
             self.counters | other.counters,
-            self.mate or other.mate,
-            self.mate_facing or other.mate_facing,
+            self.partner or other.partner,
+            self.partner_facing or other.partner_facing,
         )
 
 
 @dataclass(frozen=True)
 class Scene:
-    """What a behaviour sees.
+    """Holds what a behaviour sees.
 
     Attributes:
         layout: The kitchen's.
         position: Own cell (x, y).
         facing: Own direction, "north" to "west".
-        holding: What is in the own hands.
-        mate: The other chef's cell, None where it is not looked at.
-        mate_facing: The other chef's direction, None where it is not looked at.
-        contents: ((x, y), content) of the pots and counters that are looked at, in row-major order.
-        time: Steps since the start, or an earlier time that is as good, see `Behaviour.phase`.
+        holding: The object in its own hands.
+        partner: The other chef's cell, None if the behaviour does not depend on it.
+        partner_facing: The other chef's direction, None if the behaviour does not depend on it.
+        contents: ((x, y), content) of the pots and counters in sight, in row-major order.
+        time: Steps since the start, or an earlier equivalent time, see `Behaviour.phase`.
     """
 
     layout: Layout
     position: Position
     facing: str
     holding: Content
-    mate: Position | None
-    mate_facing: str | None
+    partner: Position | None
+    partner_facing: str | None
     contents: tuple[tuple[Position, Content], ...]
     time: int
 
     def content(self, position: Position) -> Content:
-        """Gives what is in the pot or on the counter at (x, y), one that is looked at."""
+        """Returns the content of the pot or counter at (x, y), which must be in sight."""
         return dict(self.contents)[position]
 
 
 class Behaviour(ABC):
-    """A scripted partner. Subclasses are frozen dataclasses, equal where they do the same."""
+    """A scripted partner. Subclasses are frozen dataclasses, which compare equal if they behave identically."""
 
     @property
     def sight(self) -> Sight:
-        """What it looks at."""
+        """Returns what its action depends on."""
         return Sight()
 
     def phase(self, t: int) -> int:
-        """Gives the earliest time from which on it does the same as from t on; 0 always where the time is no matter."""
+        """Returns the earliest time after which it behaves as after t; always 0 if it does not depend on the time."""
         return 0
 
     @abstractmethod
     def decide(self, scene: Scene) -> int:
-        """Chooses an action for what is seen."""
+        """Chooses an action for a scene."""
 
     def act(self, layout: Layout, state: KitchenState, seat: int, t: int) -> int:
         """Chooses an action.
@@ -109,10 +109,10 @@ class Behaviour(ABC):
         return _decision(self, look(self.sight, layout, state, seat, self.phase(t)))
 
     def check(self, layout: Layout) -> None:
-        """Refuses a layout that it cannot play.
+        """Checks that it can play a layout.
 
         Raises:
-            UnknownLayout: Cells that it walks to are no floor there, or counters are none.
+            UnknownLayout: A cell that it walks to is not floor there, or a counter that it uses is not a counter.
         """
         for cells, tile, what in ((self.sight.counters, "X", "counter"), (self.floor, " ", "floor")):
             wrong = sorted(set(cells) - set(layout.positions(tile)))
@@ -121,48 +121,48 @@ class Behaviour(ABC):
 
     @property
     def floor(self) -> frozenset[Position]:
-        """Floor cells that it names."""
+        """Returns the floor cells that it refers to."""
         return frozenset()
 
     def mirrored(self, width: int) -> "Behaviour":
-        """Gives what does the same in the mirror image of its kitchen, which is `width` cells wide."""
+        """Returns the behaviour that does the same in the mirror image of its kitchen, which is `width` cells wide."""
         return Mirrored(self, width)
 
 
 @dataclass(frozen=True)
 class Mirrored(Behaviour):
-    """Does in the mirrored kitchen what another does in the plain one: also where it chooses between equals."""
+    """Does in the mirrored kitchen what another behaviour does in the plain one, ties included."""
 
     plain: Behaviour
     width: int
 
     @property
     def sight(self) -> Sight:
-        """The mirrored sight."""
+        """Returns the mirrored sight."""
         plain = self.plain.sight
         return replace(plain, counters=frozenset((self.width - 1 - x, y) for x, y in plain.counters))
 
     @property
     def floor(self) -> frozenset[Position]:
-        """The mirrored cells."""
+        """Returns the mirrored cells."""
         return frozenset((self.width - 1 - x, y) for x, y in self.plain.floor)
 
     def phase(self, t: int) -> int:
-        """The plain one's."""
+        """Returns the plain behaviour's phase."""
         return self.plain.phase(t)
 
     def decide(self, scene: Scene) -> int:
-        """Asks the plain one about the mirrored scene."""
-        other = Chef(scene.mate or (0, 0), scene.mate_facing or "north")
+        """Asks the plain behaviour about the mirrored scene."""
+        other = Chef(scene.partner or (0, 0), scene.partner_facing or "north")
         seen = KitchenState((Chef(scene.position, scene.facing), other))
-        me, mate = mirror_state(seen, self.width).chefs
+        me, partner = mirror_state(seen, self.width).chefs
         turned = replace(
             scene,
             layout=_mirrored(scene.layout),
             position=me.position,
             facing=me.facing,
-            mate=scene.mate and mate.position,
-            mate_facing=scene.mate_facing and mate.facing,
+            partner=scene.partner and partner.position,
+            partner_facing=scene.partner_facing and partner.facing,
             contents=tuple(
                 sorted((((self.width - 1 - x, y), what) for (x, y), what in scene.contents), key=lambda e: e[0][::-1])
             ),
@@ -170,31 +170,31 @@ class Mirrored(Behaviour):
         return int(mirror_actions(_decision(self.plain, turned)))
 
     def mirrored(self, width: int) -> Behaviour:
-        """The plain one."""
+        """Returns the plain behaviour."""
         return self.plain
 
 
 def look(sight: Sight, layout: Layout, state: KitchenState, seat: int, time: int) -> Scene:
-    """Gives what a behaviour on a seat sees."""
-    me, mate = state.chefs[seat], state.chefs[1 - seat]
+    """Returns what a behaviour sees from a seat."""
+    me, partner = state.chefs[seat], state.chefs[1 - seat]
     seen = sorted({*(layout.positions("P") if sight.pots else ()), *sight.counters}, key=lambda cell: cell[::-1])
     return Scene(
         layout,
         me.position,
         me.facing,
         "soup" if isinstance(me.holding, Soup) else me.holding,
-        mate.position if sight.mate else None,
-        mate.facing if sight.mate_facing else None,
+        partner.position if sight.partner else None,
+        partner.facing if sight.partner_facing else None,
         tuple((cell, _content(layout, state, cell)) for cell in seen),
         time,
     )
 
 
 class ScriptAgent:
-    """Puts a behaviour on a seat; all rows start their clocks with `reset`.
+    """Plays a behaviour as an agent; all rows start their clocks with `reset`.
 
     Args:
-        behaviour: What it does.
+        behaviour: The behaviour to play.
     """
 
     observation = "state"
@@ -210,7 +210,7 @@ class ScriptAgent:
 
         Raises:
             LayoutError: No such layout.
-            UnknownLayout: The behaviour is about cells that the layout has not.
+            UnknownLayout: The behaviour refers to cells that this layout does not have.
         """
         if self._layout is None or layout != self._layout.name:
             self._layout = Layout.load(layout)
@@ -218,7 +218,7 @@ class ScriptAgent:
         self._seats, self._step = [int(seat) for seat in seats], 0
 
     def act(self, observations: Sequence[KitchenState]) -> NDArray[np.int64]:
-        """Chooses one action a row."""
+        """Chooses one action per row."""
         assert self._layout is not None
         t, layout, self._step = self._step, self._layout, self._step + 1
         rows = zip(observations, self._seats, strict=True)

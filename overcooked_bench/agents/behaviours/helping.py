@@ -1,4 +1,4 @@
-"""A job that is all jobs: whatever is of most use next, also by handing things over to another part of the kitchen."""
+"""Does whatever is most useful next, including handing objects over to another part of the kitchen."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -12,9 +12,9 @@ from overcooked_bench.kitchen.layout import Layout
 
 
 def helper(job: Job, scene: Scene) -> Errand | None:
-    """Brings, plates and serves, with things from the dispensers or its counters; hands over what it cannot use itself.
+    """Fills pots, plates and serves, with objects from dispensers or its counters; hands over what it cannot use.
 
-    A hand-over goes to one of its counters that another part of the kitchen reaches too.
+    It hands over on one of its counters that another part of the kitchen reaches too.
     """
     if scene.holding is None:
         return _take(job, scene)
@@ -42,7 +42,7 @@ def _take(job: Job, scene: Scene) -> Errand | None:
 
 
 def _nearest_of(job: Job, scene: Scene, item: Content, cooks: bool) -> Errand | None:
-    """Gives the nearest dispenser or counter with a thing; whoever hands things over takes none of them back."""
+    """Returns the nearest dispenser or counter with an object; objects that it handed over are not taken back."""
     kept = set() if cooks else set(_shared(job, scene))
     found = [cell for cell in job.counters if scene.content(cell) == item and cell not in kept]
     dispenser = fetch(job, scene, str(item))

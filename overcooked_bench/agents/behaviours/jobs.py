@@ -1,6 +1,6 @@
-"""Behaviours that do a part of the kitchen's work, each by what it sees now: interrupted, they go on.
+"""Behaviours that do one part of the kitchen's work, each from what it sees now, so they resume after an interruption.
 
-Nothing is dropped but by the behaviours that put things on counters; whoever holds what it cannot use stands.
+Only the behaviours that put objects on counters put anything down; the others stand still with what they cannot use.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from overcooked_bench.kitchen.codes import MAX_INGREDIENTS, STAY, Position
 
 
 class Errand(NamedTuple):
-    """Where to go next.
+    """The next place to go to.
 
     Attributes:
         cell: A tile to work at, or a floor cell to stand on.
@@ -27,14 +27,14 @@ class Errand(NamedTuple):
 
 @dataclass(frozen=True)
 class Job(Behaviour):
-    """Does its errands one after the other, and something else while there is none.
+    """Does its errands one after the other, and something else while it has none.
 
     Attributes:
         errand: Finds the next errand, or None.
-        manner: How it treats the other chef on its ways.
-        counters: Those that it takes things from or puts them on.
-        item: What it fetches from a dispenser, where it fetches one kind only.
-        then: What it does while there is no errand.
+        manner: How it treats the other chef on its way.
+        counters: The counters that it takes objects from or puts them on.
+        item: The object that it fetches from a dispenser, if it fetches one kind only.
+        then: What it does while it has no errand.
     """
 
     errand: "Finder"
@@ -45,20 +45,20 @@ class Job(Behaviour):
 
     @property
     def sight(self) -> Sight:
-        """Pots, its counters, what its manner looks at, and what the other behaviour does."""
+        """Returns pots, its counters, what its manner depends on, and the sight of `then`."""
         return Sight(pots=True, counters=frozenset(self.counters)) | SIGHTS[self.manner] | self.then.sight
 
     @property
     def floor(self) -> frozenset[Position]:
-        """Those of the other behaviour."""
+        """Returns the cells of `then`."""
         return self.then.floor
 
     def phase(self, t: int) -> int:
-        """Errands know no time."""
+        """Returns 0 or the phase of `then`: errands do not depend on the time."""
         return self.then.phase(t)
 
     def decide(self, scene: Scene) -> int:
-        """Goes on with the errand."""
+        """Takes the next step of the errand."""
         errand = self.errand(self, scene)
         if errand is not None:
             return go(scene, self.manner, errand.cell, errand.ready)
@@ -67,11 +67,11 @@ class Job(Behaviour):
 
 
 Finder = Callable[[Job, Scene], Errand | None]
-"""What finds the next errand of a job."""
+"""A function that finds the next errand of a job."""
 
 
 def carry(job: Job, scene: Scene) -> Errand | None:
-    """Finishes with what is in hand: an ingredient to a pot that takes it, a dish to a soup, a soup to be served."""
+    """Finishes with what it holds: puts an ingredient into a pot, plates a soup with a dish, serves a soup."""
     if scene.holding in ("onion", "tomato"):
         filled = {cell: n for cell, n in pots(scene) if isinstance(n, int) and n < MAX_INGREDIENTS}
         # The fullest of the nearest.
@@ -90,21 +90,21 @@ def carry(job: Job, scene: Scene) -> Errand | None:
 
 
 def onions(job: Job, scene: Scene) -> Errand | None:
-    """Brings ingredients of its kind from the dispensers, as long as a pot takes one."""
+    """Fetches ingredients of its kind from the dispensers as long as a pot takes one."""
     if scene.holding is None and any(isinstance(n, int) and n < MAX_INGREDIENTS for _, n in pots(scene)):
         return fetch(job, scene, job.item)
     return carry(job, scene) if scene.holding == job.item else None
 
 
 def plater(job: Job, scene: Scene) -> Errand | None:
-    """Takes a dish once a soup is on the way, plates and serves."""
+    """Takes a dish once a soup is cooking, plates and serves."""
     if scene.holding is None and any(what in ("cooking", "ready") for _, what in pots(scene)):
         return fetch(job, scene, "dish")
     return carry(job, scene) if scene.holding in ("dish", "soup") else None
 
 
 def receiver(job: Job, scene: Scene) -> Errand | None:
-    """Takes from its counters what the pots can use, and soups; brings all that to its place."""
+    """Takes ingredients that the pots can use, dishes and soups from its counters, and uses or serves them."""
     if scene.holding is not None:
         return carry(job, scene)
     cooked = [what for _, what in pots(scene)]
@@ -118,7 +118,7 @@ def receiver(job: Job, scene: Scene) -> Errand | None:
 
 
 def dumper(job: Job, scene: Scene) -> Errand | None:
-    """Fetches one kind of thing over and over and puts it on its counters, as long as there is room."""
+    """Keeps fetching one kind of object and puts it on its counters, as long as they have room."""
     if scene.holding is not None:
         return lay(job, scene)
     return fetch(job, scene, job.item) if any(scene.content(cell) is None for cell in job.counters) else None
@@ -134,12 +134,12 @@ def lay(job: Job, scene: Scene) -> Errand | None:
 
 @dataclass(frozen=True)
 class Pace(Behaviour):
-    """Walks from cell to cell in turn, by the clock; with one cell it goes there and stands.
+    """Walks from cell to cell in turn, by the clock; with one cell it goes there and stands still.
 
     Attributes:
         cells: Floor cells.
-        every: Steps for each of them.
-        manner: How it treats the other chef on its ways.
+        every: Steps per cell.
+        manner: How it treats the other chef on its way.
     """
 
     cells: tuple[Position, ...]
@@ -148,7 +148,7 @@ class Pace(Behaviour):
 
     @property
     def sight(self) -> Sight:
-        """What its manner looks at."""
+        """Returns what its manner depends on."""
         return SIGHTS[self.manner]
 
     @property
@@ -157,21 +157,21 @@ class Pace(Behaviour):
         return frozenset(self.cells)
 
     def phase(self, t: int) -> int:
-        """The place in the round."""
+        """Returns the position in the round."""
         return t % (self.every * len(self.cells)) if len(self.cells) > 1 else 0
 
     def decide(self, scene: Scene) -> int:
-        """Goes on to the cell whose time it is."""
+        """Walks towards the cell whose turn it is."""
         return go(scene, self.manner, self.cells[scene.time // self.every], interact=False)
 
 
 def pots(scene: Scene) -> list[tuple[Position, Content]]:
-    """Lists the pots that are looked at, with what is in them."""
+    """Lists the pots in sight with their content."""
     return [(cell, what) for cell, what in scene.contents if scene.layout.tile(cell) == "P"]
 
 
 def fetch(job: Job, scene: Scene, item: str) -> Errand | None:
-    """Goes to the nearest dispenser of a thing."""
+    """Goes to the nearest dispenser of an object."""
     tiles = {"onion": "O", "tomato": "T", "dish": "D"}[item]
     cell = nearest(scene, job.manner, scene.layout.positions(tiles))
     return cell and Errand(cell)

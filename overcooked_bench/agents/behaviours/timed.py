@@ -1,4 +1,4 @@
-"""Behaviours that go by the clock: actions played blindly, breaks, changes of mind, noise."""
+"""Behaviours that depend on the clock: fixed actions, pauses, switches, noise."""
 
 from dataclasses import dataclass, replace
 from typing import Final
@@ -20,15 +20,15 @@ class Frozen(Behaviour):
 
 
 FROZEN: Final = Frozen()
-"""The one who never does anything."""
+"""The behaviour that never does anything."""
 
 
 @dataclass(frozen=True)
 class Script(Behaviour):
-    """Plays a list of actions whatever happens, then another behaviour.
+    """Plays a fixed list of actions, then another behaviour.
 
     Attributes:
-        actions: One action a step.
+        actions: One action per step.
         then: What follows; its clock starts at 0 there.
     """
 
@@ -37,43 +37,43 @@ class Script(Behaviour):
 
     @property
     def sight(self) -> Sight:
-        """What follows may look about; the actions do not."""
+        """Returns the sight of `then`; the actions depend on nothing."""
         return self.then.sight
 
     @property
     def floor(self) -> frozenset[Position]:
-        """Those of what follows."""
+        """Returns the cells of `then`."""
         return self.then.floor
 
     def phase(self, t: int) -> int:
-        """The actions go by the time."""
+        """Returns the time, as the actions depend on it."""
         start = len(self.actions)
         return t if t < start else start + self.then.phase(t - start)
 
     def decide(self, scene: Scene) -> int:
-        """Gives the next action."""
+        """Returns the next action."""
         start = len(self.actions)
         return self.actions[scene.time] if scene.time < start else ask(self.then, scene, scene.time - start)
 
 
 @dataclass(frozen=True)
 class Loop(Behaviour):
-    """Plays a list of actions over and over, whatever happens."""
+    """Repeats a fixed list of actions."""
 
     actions: tuple[int, ...]
 
     def phase(self, t: int) -> int:
-        """The place in the list."""
+        """Returns the position in the list."""
         return t % len(self.actions)
 
     def decide(self, scene: Scene) -> int:
-        """Gives the next action."""
+        """Returns the next action."""
         return self.actions[scene.time]
 
 
 @dataclass(frozen=True)
 class Switch(Behaviour):
-    """Does one thing before a time and another from then on.
+    """Switches from one behaviour to another at a given time.
 
     Attributes:
         at: The first step of the second behaviour, whose clock starts at 0 there.
@@ -87,20 +87,20 @@ class Switch(Behaviour):
 
     @property
     def sight(self) -> Sight:
-        """What either looks at."""
+        """Returns what either depends on."""
         return self.before.sight | self.after.sight
 
     @property
     def floor(self) -> frozenset[Position]:
-        """Those of either."""
+        """Returns the cells of both."""
         return self.before.floor | self.after.floor
 
     def phase(self, t: int) -> int:
-        """The time before the change, and how the second one counts it."""
+        """Returns the time before the switch, and the second behaviour's phase after it."""
         return t if t < self.at else self.at + self.after.phase(t - self.at)
 
     def decide(self, scene: Scene) -> int:
-        """Asks the one whose turn it is."""
+        """Asks the behaviour whose turn it is."""
         if scene.time < self.at:
             return ask(self.before, scene, scene.time)
         return ask(self.after, scene, scene.time - self.at)
@@ -108,12 +108,12 @@ class Switch(Behaviour):
 
 @dataclass(frozen=True)
 class Noisy(Behaviour):
-    """Plays a uniformly random action now and then instead of what it wants.
+    """Sometimes plays a uniformly random action instead of the wanted one.
 
     Attributes:
-        wanted: The behaviour.
-        probability: Of a random action in each step.
-        seed: The draws depend on it and the time alone.
+        wanted: The behaviour without noise.
+        probability: Probability of a random action in each step.
+        seed: Seed of the draws, which depend on it and the time alone.
     """
 
     wanted: Behaviour
@@ -122,20 +122,20 @@ class Noisy(Behaviour):
 
     @property
     def sight(self) -> Sight:
-        """The behaviour's own."""
+        """Returns what the behaviour without noise depends on."""
         return self.wanted.sight
 
     @property
     def floor(self) -> frozenset[Position]:
-        """The behaviour's own."""
+        """Returns the cells of the behaviour without noise."""
         return self.wanted.floor
 
     def phase(self, t: int) -> int:
-        """Every step has its own draw."""
+        """Returns the time, as every step has its own draw."""
         return t
 
     def decide(self, scene: Scene) -> int:
-        """Draws, then asks the behaviour."""
+        """Draws a random action or asks the behaviour."""
         draw = float(uniforms(np.array([self.seed], np.uint64), scene.time)[0])
         if draw < self.probability:
             return int(draw / self.probability * NUM_ACTIONS)
@@ -143,5 +143,5 @@ class Noisy(Behaviour):
 
 
 def ask(behaviour: Behaviour, scene: Scene, t: int) -> int:
-    """Asks one behaviour on behalf of another, with a clock of its own."""
+    """Asks a behaviour with another clock."""
     return behaviour.decide(replace(scene, time=behaviour.phase(t)))

@@ -274,8 +274,8 @@ class _Answers:
         self._partner, self._layout, self._tables, self._seat, self._scratch = partner, layout, tables, seat, scratch
         sight, width = partner.sight, layout.width
         seen = {POSITION + seat, FACING + seat, HELD + seat}
-        seen |= {POSITION + 1 - seat} if sight.mate else set()
-        seen |= {FACING + 1 - seat} if sight.mate_facing else set()
+        seen |= {POSITION + 1 - seat} if sight.partner else set()
+        seen |= {FACING + 1 - seat} if sight.partner_facing else set()
         cells = (*(layout.positions("P") if sight.pots else ()), *sight.counters)
         self._columns = sorted(seen | {CELLS + y * width + x for x, y in cells})
         self._known: dict[tuple[int, bytes], int] = {}

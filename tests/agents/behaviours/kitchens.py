@@ -13,10 +13,10 @@ READY, COOKING = Soup((3, 0), 20, 20), Soup((3, 0), 5, 20)
 class Watched:
     """A kitchen with a behaviour on seat 1; `play` gives its actions."""
 
-    def __init__(self, layout, me, mate, objects=None):
+    def __init__(self, layout, me, partner, objects=None):
         self.kitchens = Kitchens(layout, 1, events=True)
         self.kitchens.autoreset = False
-        self.kitchens.set_state(0, KitchenState((Chef(*mate), Chef(*me)), objects or {}))
+        self.kitchens.set_state(0, KitchenState((Chef(*partner), Chef(*me)), objects or {}))
         self.events = np.zeros((2, 25), np.int64)
         self.t = 0
 
@@ -32,7 +32,7 @@ class Watched:
         played = []
         for k in range(steps):
             played.append(behaviour.act(self.kitchens.layout, self.state, 1, self.t))
-            mate = mates[k] if k < len(mates) else STAY
-            self.events += self.kitchens.step([[mate, played[-1]]]).events[0]
+            partner = mates[k] if k < len(mates) else STAY
+            self.events += self.kitchens.step([[partner, played[-1]]]).events[0]
             self.t += 1
         return played

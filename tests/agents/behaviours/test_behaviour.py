@@ -73,10 +73,10 @@ def test_any_state_has_an_answer_that_the_mirror_mirrors(moment, seat, t):
 @given(moments(), st.integers(0, 1))
 def test_what_is_not_looked_at_does_not_matter(moment, seat):
     behaviour, layout, state = moment
-    mate, sight = state.chefs[1 - seat], behaviour.sight
-    other = replace(mate, holding=None if mate.holding else "onion")
-    if not sight.mate_facing:
-        other = replace(other, facing="south" if mate.facing == "north" else "north")
+    partner, sight = state.chefs[1 - seat], behaviour.sight
+    other = replace(partner, holding=None if partner.holding else "onion")
+    if not sight.partner_facing:
+        other = replace(other, facing="south" if partner.facing == "north" else "north")
     chefs = (state.chefs[0], other) if seat == 0 else (other, state.chefs[1])
     seen = {*sight.counters, *(layout.positions("P") if sight.pots else ())}
     objects = {cell: thing for cell, thing in state.objects.items() if cell in seen}
@@ -115,9 +115,9 @@ def test_whoever_was_disturbed_goes_on_once_the_way_is_clear(part, manner):
     floor = [free for free in layout.positions(" ") if free != cell]
     for seat in (0, 1):
         for _ in range(4):
-            mate = Chef(floor[rng.integers(len(floor))])
+            partner = Chef(floor[rng.integers(len(floor))])
             kitchens = Kitchens(layout, 1, events=True)
-            kitchens.set_state(0, KitchenState((me, mate) if seat == 0 else (mate, me), objects))
+            kitchens.set_state(0, KitchenState((me, partner) if seat == 0 else (partner, me), objects))
             done = 0
             # The other walks about, in the way and never with anything, and at last keeps away.
             for t in range(30):
