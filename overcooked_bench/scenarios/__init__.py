@@ -1,6 +1,6 @@
-"""Cooperation unit tests: short edge cases, each with a verdict that a film of a few steps explains."""
+"""Cooperation unit tests: short edge cases, each with a verdict that a few frames explain."""
 
 from typing import Final
 
 CATEGORIES: Final = ("state", "partner", "memory", "convention", "horizon")
-"""What a scenario is a test of, in the order of tables."""
+"""What a scenario tests, in the order of tables."""

@@ -1,4 +1,4 @@
-"""What can be wrong with a scenario file, and with who plays it."""
+"""Errors of scenario files, and of the agents that play scenarios."""
 
 from overcooked_bench.errors import AgentFault, WrongUse
 

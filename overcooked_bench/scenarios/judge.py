@@ -1,4 +1,4 @@
-"""A single run looked at closely: what happened step by step, and which part of the condition failed."""
+"""Examines a single run: what happened step by step, and which part of the condition failed."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -18,7 +18,7 @@ class Truth(NamedTuple):
 
     Attributes:
         text: The part.
-        first: The step at which it held for the first time, None where it never did.
+        first: The step at which it first held, None if it never did.
         last: Whether it held at the end.
     """
 
@@ -39,9 +39,9 @@ class Run(NamedTuple):
     Attributes:
         part: What was played.
         passed: The verdict.
-        reached: The step at which `accept` held, None where it did not.
-        spoiled: The step at which `never` held, None where it did not.
-        accept: Each conjunct of `accept`; where it is a choice, each alternative as a whole.
+        reached: The step at which `accept` held, None if it did not.
+        spoiled: The step at which `never` held, None if it did not.
+        accept: Each conjunct of `accept`; if it is a choice, each alternative as a whole.
         actions: A's and B's actions by seat, `before` first, up to the verdict.
         states: The state before each of them, and the last one.
     """
@@ -55,12 +55,12 @@ class Run(NamedTuple):
     states: tuple[KitchenState, ...]
 
     def film(self, steps: int = 8, colour: bool = False, width: int = 100) -> str:
-        """Draws the last steps, one kitchen beside the other.
+        """Draws the last steps side by side.
 
         Args:
-            steps: How many joint actions.
-            colour: Whether for a terminal with colours.
-            width: Characters of a line.
+            steps: Number of joint actions.
+            colour: Whether to use a terminal's colours.
+            width: Characters per line.
         """
         from overcooked_bench.rendering.text import film, side_by_side
 
@@ -77,7 +77,7 @@ class Run(NamedTuple):
         return side_by_side(frames, width)
 
     def why(self) -> str:
-        """Says in a few lines why it failed, or when it passed."""
+        """Returns a few lines: why the run failed, or when it passed."""
         budget = self.part.budget
         if self.passed:
             return f"passed at step {self.reached} of {budget}"
@@ -91,12 +91,12 @@ _NAMES = ("up", "down", "right", "left", "stays", "interacts")
 
 
 def judge(situation: Situation, budget: int, own: Sequence[int]) -> Run:
-    """Plays A's actions against the scenario's partner and judges.
+    """Plays A's actions with the scenario's partner, and judges the run.
 
     Args:
         situation: What is played.
         budget: Steps that A has.
-        own: A's actions from the first step on; it stays where they end.
+        own: A's actions from the first step on; A stays still after the last one.
     """
     stage = Stage([Part(situation, budget)])
     prelude = len(situation.before)
@@ -126,7 +126,7 @@ def judge(situation: Situation, budget: int, own: Sequence[int]) -> Run:
 
 
 def replay(situation: Situation, budget: int, actions: ArrayLike) -> Run:
-    """Judges a run again from its joint actions, `before` included.
+    """Judges a recorded run from its joint actions, `before` included.
 
     Args:
         situation: What was played.

@@ -1,4 +1,4 @@
-"""`Scenario`: one edge case; `Situation`: the same from one seat, in the plain or the mirrored kitchen."""
+"""Defines `Scenario`, one edge case, and `Situation`, the same from one seat in the plain or the mirrored kitchen."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -18,7 +18,7 @@ ACTIONS: Final = ("up", "down", "right", "left", "stay", "interact")
 
 SEATS: Final = (0, 1)
 HORIZON: Final = 400
-"""Steps of an episode; a scenario of the category `horizon` begins `budget` steps before its end, others at step 0."""
+"""Steps of an episode; a scenario of the category `horizon` starts `budget` steps before its end, others at step 0."""
 
 JointAction = tuple[int, int]
 
@@ -28,22 +28,22 @@ class Scenario:
     """One edge case. A is the tested agent, B its partner.
 
     Attributes:
-        id: Its name, and its file's.
+        id: Its name, which is also its file's name.
         category: One of `CATEGORIES`.
-        family: The unit of the score by family.
+        family: The family for the mean over families.
         layout: The plain kitchen.
         cooking: "auto" or "manual".
-        state: The drawn state, with A on seat 0.
-        behaviour: What B does.
+        state: The state in the picture, with A on seat 0.
+        behaviour: The behaviour of B.
         accept: What has to hold at some step within the budget.
         never: What must not have held until then.
-        budget: Steps, or None where the lock file or a search says it.
+        budget: Steps, or None if the lock file or a search determines it.
         before: Joint actions (A, B) that are played before A is asked for the first time.
         pair: The name that it shares with the other half of its pair.
         tags: Words to select by.
         why: What a robust agent does here, and why.
         source: The file it was read from.
-        drawn: What the file said of B's behaviour.
+        drawn: B's behaviour as the file describes it.
     """
 
     id: str
@@ -64,7 +64,7 @@ class Scenario:
     drawn: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     def seated(self, seat: int, mirrored: bool = False) -> "Situation":
-        """Gives the scenario with A on a seat, in the plain or the mirrored kitchen."""
+        """Returns the scenario with A on a seat, in the plain or the mirrored kitchen."""
         layout, state, behaviour = self.layout, self.state, self.behaviour
         accept, never, before = self.accept, self.never, self.before
         if mirrored:
@@ -85,11 +85,11 @@ class Situation:
 
     Attributes:
         scenario: The scenario.
-        seat: A's.
+        seat: A's seat.
         mirrored: Whether the kitchen is the mirror image.
         layout: The kitchen.
-        state: The drawn state, A on `seat`; `before` has still to be played.
-        behaviour: What B does, on the other seat; its clock starts after `before`.
+        state: The state in the picture, A on `seat`; `before` has still to be played.
+        behaviour: The behaviour of B, on the other seat; its clock starts after `before`.
         accept: What has to hold.
         never: What must not have held.
         before: Joint actions in the order of the seats.
@@ -107,7 +107,7 @@ class Situation:
 
     @property
     def id(self) -> str:
-        """Names the scenario, the seat and the mirror."""
+        """The scenario, the seat and the mirror image as one name."""
         return f"{self.scenario.id}-seat{self.seat}" + "-mirrored" * self.mirrored
 
     @property
@@ -117,13 +117,13 @@ class Situation:
 
     @cached_property
     def counters(self) -> dict[Any, int]:
-        """What has to be counted: counter -> a count that is as good as any greater one."""
+        """Everything that has to be counted: counter -> a count that is equivalent to any greater one."""
         never = self.never.counters if self.never else {}
         accept = self.accept.counters
         return {key: max(accept.get(key, 0), never.get(key, 0)) for key in {**accept, **never}}
 
     def first_state(self, budget: int) -> KitchenState:
-        """Gives the drawn state at the step of the episode at which it is played.
+        """Returns the state in the picture at the step of the episode at which it is played.
 
         Args:
             budget: Steps that A has.

@@ -1,4 +1,4 @@
-"""Kitchens drawn with letters: a layout with the chefs A and B and what lies on the counters."""
+"""Reads kitchens drawn with letters: a layout with the chefs A and B and the objects on the counters."""
 
 from collections.abc import Mapping
 from typing import Final, Literal, NamedTuple
@@ -22,7 +22,7 @@ _LETTERS: Final[Mapping[Thing, str]] = {"onion": "o", "tomato": "t", "dish": "d"
 
 
 class PictureError(WrongUse):
-    """A picture is not one of its layout.
+    """A picture does not show its layout.
 
     Attributes:
         row: The row at fault, from 0.
@@ -37,8 +37,8 @@ class Picture(NamedTuple):
     """What a picture shows besides the layout.
 
     Attributes:
-        chefs: Where A and B stand.
-        lying: What lies on counters.
+        chefs: The cells of A and B.
+        lying: The objects on counters.
     """
 
     chefs: tuple[Position, Position]
@@ -50,7 +50,7 @@ def read_picture(text: str, layout: Layout) -> Picture:
 
     Args:
         text: The layout's rows, with `A` and `B` on the floor and `o`, `t`, `d` and `s` on counters.
-        layout: What is drawn.
+        layout: The layout that it should show.
 
     Raises:
         PictureError: It does not show this layout, or not both chefs.
@@ -80,7 +80,7 @@ def read_picture(text: str, layout: Layout) -> Picture:
 
 
 def _misfit(letter: str, tile: str) -> str:
-    """Says why a letter of the picture cannot stand where the layout has a tile; empty where it can."""
+    """Returns why a letter of the picture does not fit a tile of the layout; an empty text if it does."""
     if letter in CHEFS:
         return "" if tile == " " else f"but chefs stand on the floor and the layout has {tile!r} there"
     if letter not in LYING:
@@ -94,12 +94,12 @@ def _thing(name: Literal["onion", "tomato", "dish", "soup"], layout: Layout) -> 
 
 
 def draw_picture(layout: Layout, state: KitchenState, seat: int) -> str:
-    """Draws a state as `read_picture` reads it; hands, directions and pots are not shown.
+    """Draws a state so that `read_picture` reads it; hands, directions and pots are not shown.
 
     Args:
         layout: The floor plan.
-        state: Who stands where, and what lies where.
-        seat: Chef A's.
+        state: The chefs and objects to draw.
+        seat: Chef A's seat.
     """
     rows = [list(row) for row in layout.rows]
     for (x, y), thing in state.objects.items():
@@ -112,7 +112,7 @@ def draw_picture(layout: Layout, state: KitchenState, seat: int) -> str:
 
 
 def finished_soup(layout: Layout) -> Soup:
-    """Gives a finished soup of the first recipe on the menu."""
+    """Returns a finished soup of the first recipe on the menu."""
     recipe = _CLASSIC if _CLASSIC in layout.orders else layout.orders[0]
     time = layout.cook_times[RECIPES.index(recipe)]
     return Soup(recipe, time, time)

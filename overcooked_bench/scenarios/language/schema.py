@@ -1,6 +1,7 @@
 """The JSON Schema of scenario files, for editors: `python -m overcooked_bench.scenarios.language.schema` prints it.
 
-`unit_scenarios/schema.json` is its output. What needs the layout (picture, pots, cells, conditions) the loader checks.
+`unit_scenarios/schema.json` is its output. The loader checks what depends on the layout: picture, pots, cells,
+conditions.
 """
 
 import json
@@ -38,7 +39,7 @@ _CONDITION: Final = {
 }
 _CONDITIONS: Final = {
     "anyOf": [_CONDITION, {"type": "array", "items": _CONDITION, "minItems": 1}],
-    "description": "a condition, or a list of which one has to hold",
+    "description": "a condition, or a list of conditions of which one has to hold",
 }
 _FACING: Final = {"enum": list(FACING_NAMES)}
 _HOLDS: Final = {"enum": list(THINGS)}
@@ -54,8 +55,8 @@ _PARAMETERS: Final[dict[str, Any]] = {
     "item": {"enum": [thing for thing in THINGS if thing != "soup"]},
     **{manner: {"type": "boolean"} for manner in MANNERS},
     "from": {**_WHOLE, "description": "first step; B stands still before"},
-    "until": {**_WHOLE, "description": "first step at which B does it no more"},
-    "then": {"anyOf": [{"enum": list(KINDS)}, _CELL, _BEHAVIOUR], "description": "what B does when it has done"},
+    "until": {**_WHOLE, "description": "first step at which B no longer does it"},
+    "then": {"anyOf": [{"enum": list(KINDS)}, _CELL, _BEHAVIOUR], "description": "what B does afterwards"},
     "noisy": {
         "type": "object",
         "properties": {"p": {"type": "number", "minimum": 0, "maximum": 1}, "seed": _WHOLE},
@@ -66,22 +67,25 @@ _PARAMETERS: Final[dict[str, Any]] = {
 
 
 def json_schema() -> dict[str, Any]:
-    """Gives the schema."""
+    """Returns the schema."""
     chef = {"facing": _FACING, "holds": _HOLDS}
     properties: dict[str, Any] = {
-        "id": {**_NAME, "description": "the file's name without its end"},
+        "id": {**_NAME, "description": "the file's name without its suffix"},
         "category": {"enum": list(CATEGORIES)},
         "layout": {**_TEXT, "description": "a shipped layout's name, or a grid's rows"},
         "kitchen": {
             **_TEXT,
-            "description": "the layout's rows; A and B stand on floor, and o, t, d and s (onion, tomato, dish, soup) "
-            "lie on counters",
+            "description": "the layout's rows; A and B are on floor cells, and o, t, d and s (onion, tomato, dish, "
+            "soup) on counters",
         },
         "A": _object(chef, ["facing"], "the tested agent"),
         "B": {**_behaviour(chef), "description": "the partner"},
         "accept": _CONDITIONS,
         "why": {**_TEXT, "description": "what a robust agent does here, and why"},
-        "family": {**_NAME, "description": "the unit of the score by family; the id's beginning by default"},
+        "family": {
+            **_NAME,
+            "description": "the family for the mean over families; by default the id up to its first -",
+        },
         "tags": {"type": "array", "items": _NAME},
         "cooking": {"enum": list(COOKING)},
         "pots": {
@@ -93,7 +97,7 @@ def json_schema() -> dict[str, Any]:
         "never": _CONDITIONS,
         "budget": {"anyOf": [{"const": "auto"}, {"type": "integer", "minimum": 1, "maximum": MOST_STEPS}]},
         "before": _object(dict.fromkeys(CHEFS, _ACTIONS), [], "joint actions before A is asked for the first time"),
-        "pair": {**_NAME, "description": "shared by two scenarios that are passed together or not at all"},
+        "pair": {**_NAME, "description": "shared by two scenarios that pass together or not at all"},
     }
     assert set(properties) == set(KEYS)
     return {
@@ -105,7 +109,7 @@ def json_schema() -> dict[str, Any]:
 
 
 def schema_text() -> str:
-    """Gives the schema as the file has it."""
+    """Returns the schema as the text of its file."""
     return json.dumps(json_schema(), indent=2) + "\n"
 
 
@@ -120,7 +124,7 @@ def _object(properties: dict[str, Any], required: list[str], description: str) -
 
 
 def _behaviour(more: dict[str, Any]) -> dict[str, Any]:
-    """Gives the schema of a behaviour, together with other keys: each kind has its own."""
+    """Returns the schema of a behaviour, together with other keys: each kind has keys of its own."""
     kinds = []
     for name, kind in KINDS.items():
         allowed = ["does", *kind.needs, *kind.may, *(MANNERS if kind.walks else ()), *TIMED, *more]

@@ -1,4 +1,4 @@
-"""A scenario to begin with: a file that can be read, with every key explained."""
+"""Writes a first scenario: a file that works, with every key explained."""
 
 from typing import Final
 
@@ -10,13 +10,13 @@ _TEXT: Final = """\
 {id:<36}# the file's name without .scenario.yaml
 {category:<36}# state, partner, memory, convention or horizon
 {layout}
-kitchen: |                          # A is tested, B its partner; on counters lie o onion, d dish, s soup
+kitchen: |                          # A is tested, B its partner; on counters: o onion, d dish, s soup
 {picture}
 A: {{facing: down, holds: onion}}     # up, down, left or right; onion, dish or soup, or no `holds` at all
 B: {{facing: down, does: frozen}}     # frozen, carry, onions, plater, goto, ...
 # pots: {{1: 2 onions}}               # in reading order: `2 onions`, `cooking 8 left` or `ready`
-accept: A.pot >= 1                  # what has to happen within the budget
-# never: A.drop >= 1                # what must not happen until then
+accept: A.pot >= 1                  # what has to hold within the budget
+# never: A.drop >= 1                # what must not hold before that
 why: A holds an onion, the pot is empty, and B does nothing; A has to go and use it.
 """
 

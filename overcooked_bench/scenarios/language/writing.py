@@ -1,4 +1,4 @@
-"""From `Scenario` back to YAML."""
+"""Writes a `Scenario` as YAML."""
 
 import json
 from typing import Any
@@ -13,7 +13,7 @@ from overcooked_bench.scenarios.scenario import ACTIONS, Scenario
 
 
 def scenario_text(scenario: Scenario) -> str:
-    """Writes a scenario as a file has it, without comments; `read_scenario` reads the same scenario from it."""
+    """Writes a scenario as YAML without comments; `read_scenario` reads the same scenario from it."""
     layout, state = scenario.layout, scenario.state
     lines = [f"id: {scenario.id}", f"category: {scenario.category}"]
     lines += [f"family: {scenario.family}"] * (scenario.family != scenario.id.partition("-")[0])
@@ -39,7 +39,7 @@ def scenario_text(scenario: Scenario) -> str:
 
 
 def behaviour_text(scenario: Scenario) -> str:
-    """Writes what B does, as the file has it."""
+    """Writes B's behaviour as YAML."""
     return _flow(dict(scenario.drawn))
 
 
@@ -73,7 +73,7 @@ def _flow(value: Any) -> str:
 
 
 def _quoted(text: str) -> str:
-    """Writes a text plainly where YAML reads it back so, else in quotes."""
+    """Writes a text without quotes if YAML reads the same text back, else in quotes."""
     plain = "\n" not in text and _reads_back(text)
     return text if plain else json.dumps(text, ensure_ascii=False)
 

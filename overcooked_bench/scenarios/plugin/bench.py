@@ -1,4 +1,4 @@
-"""Who is tested in a pytest session, and what came of it so far."""
+"""Holds the agent that a pytest session tests, and its results so far."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -29,13 +29,13 @@ class Bench:
     """The tested agent, and the results of the items that were played.
 
     Attributes:
-        agent: What it is called on the command line.
+        agent: Its name on the command line.
         make_agent: Makes it.
         mode: How frozen policies act.
         repeats: Runs of each situation.
-        training_seed: Which training run.
-        warmup: First views shown before.
-        known: Reasons of known failures, by item id or pattern.
+        training_seed: Which training run is tested.
+        warmup: How often the first observation is shown before the start.
+        known: Reasons for known failures, by item id or pattern.
         baseline: The items of an older report.
         report: Where to write one.
     """
@@ -53,29 +53,29 @@ class Bench:
 
     @property
     def title(self) -> str:
-        """Says who is tested, and how."""
+        """Describes the tested agent and the settings."""
         return f"{self.agent}, mode {self.mode}, {self.repeats} repeats"
 
     @property
     def settings(self) -> dict[str, Any]:
-        """How the items are played, as reports have it."""
+        """The settings of the runs, as reports contain them."""
         played = {"mode": self.mode, "repeats": self.repeats, "training_seed": self.training_seed}
         return {"agent": self.agent, **played, "warmup": self.warmup, "sequential": False}
 
     @property
     def replay_settings(self) -> dict[str, Any]:
-        """What the command that plays a run again has to know."""
+        """The options of the command that replays a run."""
         return {"mode": self.mode, "training_seed": self.training_seed, "warmup": self.warmup}
 
     def expected(self, item: str) -> str | None:
-        """Gives the reason why an item is known to fail, None where it is not."""
+        """Returns why an item is known to fail, or None if it is not."""
         return next((reason for name, reason in self.known.items() if fnmatchcase(item, name)), None)
 
     def result(self, item: Item, others: Iterable[Item]) -> ItemResult:
-        """Gives what came of an item; it is played together with all others of its kitchen at the first demand.
+        """Returns an item's result; the first request plays all items of its kitchen together.
 
         Raises:
-            Exception: What playing it raised; an OvercookedBenchError or OSError needs no traceback.
+            Exception: Any error of the run; an OvercookedBenchError or OSError needs no traceback.
         """
         if item.id not in self._outcomes:
             together = {other.id: other for other in others if other.kitchen == item.kitchen}
@@ -90,7 +90,7 @@ class Bench:
         return run_items(self.make_agent, items, self.repeats, training_seed=self.training_seed, warmup=self.warmup)
 
     def _play(self, items: list[Item]) -> None:
-        """Plays items at once; where that fails, one by one, so that each answers for itself."""
+        """Plays items together; if that fails, one by one, so that each gets its own result."""
         try:
             for result in self.play(items):
                 self._outcomes[result.item.id] = result
@@ -106,7 +106,7 @@ def open_bench(config: pytest.Config) -> Bench:
     """Loads the agent and the files that the command line names.
 
     Raises:
-        pytest.UsageError: One of them is no good; says what to write instead.
+        pytest.UsageError: One of them cannot be used; says what to write instead.
     """
     option = config.option
     repeats = REPEATS if option.ocb_repeats is None else option.ocb_repeats
@@ -144,7 +144,7 @@ def _check_fuzz(kitchens: int) -> None:
 
 
 def _try(make_agent: AgentFactory, training_seed: int) -> None:
-    """Makes an agent once, so that one that cannot be made is told before anything is played."""
+    """Makes an agent once, so that an agent that cannot be made is reported before anything is played."""
     try:
         make_agent(_FIRST_LAYOUT, training_seed)
     except UnknownLayout:
@@ -152,7 +152,7 @@ def _try(make_agent: AgentFactory, training_seed: int) -> None:
 
 
 def _read_known(path: str) -> dict[str, str]:
-    """Reads the ids of known failures, one a line, with a reason after a #."""
+    """Reads the ids of known failures, one per line, with a reason after a #."""
     try:
         text = Path(path).read_text("utf-8")
     except UnicodeDecodeError:
@@ -161,7 +161,7 @@ def _read_known(path: str) -> dict[str, str]:
     for number, line in enumerate(text.splitlines(), start=1):
         name, _, reason = (part.strip() for part in line.partition("#"))
         if len(name.split()) > 1:
-            raise ScenarioError(f"{path}:{number}: {name!r}; write one item's id on a line, and a reason after a #")
+            raise ScenarioError(f"{path}:{number}: {name!r}; write one item's id per line, and a reason after a #")
         if name:
             found[name] = reason or "known failure"
     return found

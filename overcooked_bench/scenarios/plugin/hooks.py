@@ -1,7 +1,7 @@
 """The pytest plugin: `pytest --pyargs overcooked_bench.unit_scenarios --agent my_agent.py`.
 
-Every pytest run of an environment with this package loads this module, so it imports nothing that takes time; what does
-the work is imported once scenarios are collected or an agent is given.
+Every pytest run in an environment with this package loads this module, so it imports nothing that takes time. The
+modules that do the work are imported once scenarios are collected or an agent is given.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from overcooked_bench.scenarios.items import Select
 
 SUFFIX: Final = ".scenario.yaml"
-"""How the names of files end that are collected from any folder."""
+"""Suffix of the files that are collected from any folder."""
 
 
 class Scenarios:
     """Scenarios as tests of a module: `test_cooperation = Scenarios("my_scenarios/")`.
 
     Args:
-        select: What `run_scenarios` takes; all that ship by default.
+        select: Which scenarios, as for `run_scenarios`; all that ship by default.
     """
 
     __test__ = False
@@ -42,16 +42,18 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     def option(name: str, **settings: Any) -> None:
         group.addoption(name, dest=f"ocb_{name.removeprefix('--').replace('-', '_')}", **settings)
 
-    option("--agent", metavar="AGENT", help="who is tested: my_agent.py[:function], a folder, or an agent's name")
-    option("--repeats", metavar="N", type=int, help="runs of each scenario for agents that draw (default: 20)")
+    option("--agent", metavar="AGENT", help="the agent to test: my_agent.py[:function], a folder, or an agent's name")
+    option("--repeats", metavar="N", type=int, help="runs of each scenario for agents that sample (default: 20)")
     option("--mode", choices=("sample", "greedy"), default="sample", help="how frozen policies act (default: sample)")
-    option("--agent-training-seed", metavar="N", type=int, default=0, help="which training run (default: 0)")
-    option("--agent-warmup", metavar="N", type=int, default=0, help="first views shown before the start (default: 0)")
-    option("--category", metavar="A,B", action="append", help="scenarios of some categories only")
-    option("--known-failures", metavar="FILE", help="ids of items that are expected to fail, one a line")
-    option("--scenario-report", metavar="FILE", help="write what came of every item as JSON")
-    option("--scenario-baseline", metavar="FILE", help="tell what is failed or passed newly since that report")
-    option("--fuzz", metavar="N", type=int, help="also try N drawn kitchens of each family (needs hypothesis)")
+    option("--agent-training-seed", metavar="N", type=int, default=0, help="which training run to test (default: 0)")
+    option(
+        "--agent-warmup", metavar="N", type=int, default=0, help="first observations to show beforehand (default: 0)"
+    )
+    option("--category", metavar="A,B", action="append", help="only scenarios of these categories")
+    option("--known-failures", metavar="FILE", help="ids of items that are expected to fail, one per line")
+    option("--scenario-report", metavar="FILE", help="write the result of every item as JSON")
+    option("--scenario-baseline", metavar="FILE", help="list what newly fails or passes since that report")
+    option("--fuzz", metavar="N", type=int, help="also play N random kitchens of each family (needs hypothesis)")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -70,10 +72,10 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 class _Late:
-    """What the process that prints does; xdist's workers do not.
+    """Hooks of the process that prints; xdist's workers do not have them.
 
     Args:
-        config: Of the session.
+        config: The session's configuration.
     """
 
     def __init__(self, config: pytest.Config) -> None:
@@ -114,7 +116,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 
 def pytest_pycollect_makeitem(collector: pytest.Module | pytest.Class, name: str, obj: object) -> Any:
-    """Collects what a module binds as `Scenarios`."""
+    """Collects the `Scenarios` of a test module."""
     if not isinstance(obj, Scenarios):
         return None
     from overcooked_bench.scenarios.plugin.items import make_items
@@ -124,7 +126,7 @@ def pytest_pycollect_makeitem(collector: pytest.Module | pytest.Class, name: str
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Chooses categories, marks known failures, and brings together what is played together."""
+    """Selects categories, marks known failures, and groups items that are played together."""
     import sys
 
     if "overcooked_bench.scenarios.plugin.items" in sys.modules:  # else there is no scenario among them
@@ -137,7 +139,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Puts what came of an item into its report, which workers send to the process that prints."""
+    """Adds an item's result to its report, which workers send to the process that prints."""
     report = yield
     record = getattr(item, "scenario_record", None)
     if record is not None and call.when == "call":

@@ -1,6 +1,6 @@
-"""Scenarios as items of pytest: one for each scenario, seat and mirror, or for each pair.
+"""Turns scenarios into pytest items: one for each scenario, seat and mirror image, or for each pair.
 
-Without an agent they are only collected and skipped; what plays is imported when there is one.
+Without an agent they are only collected and skipped; the modules that play are imported when there is one.
 """
 
 from collections.abc import Iterable, Iterator
@@ -22,23 +22,23 @@ if TYPE_CHECKING:
     from overcooked_bench.scenarios.results import ItemResult
 
 WIDTH: Final = 100
-"""Characters of a line of a film."""
+"""Characters per line of the frames of a failure."""
 
 
 class ScenarioFailure(Exception):
-    """An item was failed.
+    """The agent failed an item.
 
     Attributes:
-        told: Why, in many lines.
+        explanation: The reason, in many lines.
     """
 
-    def __init__(self, head: str, told: str) -> None:
+    def __init__(self, head: str, explanation: str) -> None:
         super().__init__(head)
-        self.told = told
+        self.explanation = explanation
 
 
 class _Tested(pytest.Item):
-    """What an agent passes or fails; `category` and `words` choose it.
+    """A pytest item that an agent passes or fails; `category` and `words` select it.
 
     Args:
         category: One of `CATEGORIES`.
@@ -53,22 +53,22 @@ class _Tested(pytest.Item):
 
     @property
     def bench(self) -> "Bench":
-        """Who is tested."""
+        """The tested agent and its results."""
         bench = self.config.stash[BENCH]
         assert bench is not None
         return bench
 
     def setup(self) -> None:
-        """Skips it where there is nobody to test."""
+        """Skips the item if there is no agent to test."""
         if self.config.stash[BENCH] is None:
             pytest.skip(NO_AGENT)
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """Says why it was failed, without a traceback."""
+        """Returns why the agent failed it, without a traceback."""
         error = excinfo.value
         if not isinstance(error, (ScenarioFailure, OvercookedBenchError, OSError)):
             return super().repr_failure(excinfo)
-        return _plainly(excinfo, error.told if isinstance(error, ScenarioFailure) else str(error))
+        return _plainly(excinfo, error.explanation if isinstance(error, ScenarioFailure) else str(error))
 
 
 class ScenarioItem(_Tested):
@@ -78,7 +78,7 @@ class ScenarioItem(_Tested):
         entry: The item.
 
     Attributes:
-        scenario_record: What came of it, for the summary and the report.
+        scenario_record: Its result, for the summary and the report.
     """
 
     def __init__(self, *, entry: Item, **settings: Any) -> None:
@@ -87,7 +87,7 @@ class ScenarioItem(_Tested):
         self.scenario_record: dict[str, Any] | None = None
 
     def runtest(self) -> None:
-        """Plays it, together with what shares its kitchen, unless that has been done."""
+        """Plays it together with the items that share its kitchen, unless that has been done."""
         from overcooked_bench.scenarios.results import faulty
         from overcooked_bench.scenarios.shown.explaining import explain, headline
 
@@ -100,19 +100,19 @@ class ScenarioItem(_Tested):
         self.scenario_record = result.to_dict()
         self.user_properties += _properties(result)
         if not result.passed:
-            told = explain(result, self.bench.agent, width=WIDTH, **self.bench.replay_settings)
-            raise ScenarioFailure(headline(result), told)
+            explanation = explain(result, self.bench.agent, width=WIDTH, **self.bench.replay_settings)
+            raise ScenarioFailure(headline(result), explanation)
 
     def reportinfo(self) -> tuple[Path, None, str]:
-        """Names the scenario's file."""
+        """Returns the scenario's file."""
         return Path(self.entry.scenarios[0].source), None, self.entry.id
 
 
 class FuzzItem(_Tested):
-    """Drawn kitchens of a family.
+    """Random kitchens of a family.
 
     Args:
-        scenarios: What they are drawn from.
+        scenarios: The scenarios whose kitchens are varied.
     """
 
     def __init__(self, *, scenarios: list[Scenario], **settings: Any) -> None:
@@ -121,19 +121,21 @@ class FuzzItem(_Tested):
         self._scenarios = scenarios
 
     def runtest(self) -> None:
-        """Looks for a kitchen that is failed."""
+        """Searches for a kitchen in which the agent fails."""
         from overcooked_bench.scenarios.shown.explaining import explain, headline
         from overcooked_bench.scenarios.solving.fuzzing import search_failure
 
         found = search_failure(self._scenarios, self.bench.play, self.config.option.ocb_fuzz)
         self.user_properties.append(("kitchens", found.tried))
         if found.failure is not None:
-            told = explain(found.failure, self.bench.agent, width=WIDTH)
+            explanation = explain(found.failure, self.bench.agent, width=WIDTH)
             text = scenario_text(found.failure.item.scenarios[0])
-            raise ScenarioFailure(headline(found.failure), f"{told}\n\nthe smallest kitchen, as a scenario:\n\n{text}")
+            raise ScenarioFailure(
+                headline(found.failure), f"{explanation}\n\nthe smallest kitchen, as a scenario:\n\n{text}"
+            )
 
     def reportinfo(self) -> tuple[Path, None, str]:
-        """Names the family."""
+        """Returns the family's file."""
         return Path(self._scenarios[0].source), None, self.name
 
 
@@ -141,7 +143,7 @@ class ScenarioFile(pytest.File):
     """A scenario that a user wrote."""
 
     def collect(self) -> Iterator[pytest.Item]:
-        """Gives its items; a pair belongs to the first of its two files."""
+        """Yields its items; a pair belongs to the first of its two files."""
         try:
             found = items(read_files([self.path]))
         except ScenarioError as error:
@@ -151,7 +153,7 @@ class ScenarioFile(pytest.File):
 
 
 def make_items(parent: pytest.Collector, select: Select) -> list[pytest.Item]:
-    """Gives the items that a module binds."""
+    """Returns the items of a module's `Scenarios`."""
     try:
         found = load_items(select)
     except ScenarioError as error:
@@ -172,10 +174,10 @@ def _collect(parent: pytest.Collector, found: list[Item]) -> Iterator[pytest.Ite
 
 
 def arrange(config: pytest.Config, collected: list[pytest.Item]) -> None:
-    """Leaves out what is not asked for, marks known failures, and prepares the rest for xdist.
+    """Deselects what is not asked for, marks known failures, and prepares the rest for xdist.
 
     Args:
-        config: Of the session.
+        config: The session's configuration.
         collected: All items, changed in place.
 
     Raises:
@@ -218,7 +220,7 @@ def _categories(config: pytest.Config) -> set[str]:
 
 
 def _plainly(excinfo: pytest.ExceptionInfo[BaseException], text: str) -> Any:
-    """Makes a text what pytest shows of a failure, with the error's message as its one line in the short summary."""
+    """Makes pytest show a text for a failure, with the error's message as its line in the short summary."""
     shown = excinfo.getrepr(style="native")
     shown.reprtraceback.reprentries = shown.reprtraceback.reprentries[:1]
     shown.reprtraceback.reprentries[0].lines = [text + "\n"]
@@ -231,5 +233,5 @@ def _plainly(excinfo: pytest.ExceptionInfo[BaseException], text: str) -> Any:
 
 def _properties(result: "ItemResult") -> list[tuple[str, object]]:
     rate = result.rate
-    told: dict[str, object] = {"category": result.item.category, "rate": round(rate.value, 4)}
-    return [*{**told, "wilson_low": round(rate.low, 4), "T*": result.steps, "K": result.budget}.items()]
+    facts: dict[str, object] = {"category": result.item.category, "rate": round(rate.value, 4)}
+    return [*{**facts, "wilson_low": round(rate.low, 4), "T*": result.steps, "K": result.budget}.items()]

@@ -1,4 +1,4 @@
-"""What the modules of the plugin share; it imports nothing that takes time."""
+"""Names that the modules of the plugin share; imports nothing that takes time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 NO_AGENT: Final = "no agent to test: give one with --agent my_agent.py, or the name of an agent"
 
 MARKER: Final = "ocb_"
-"""What the markers' names begin with; categories follow."""
+"""Prefix of the markers' names; a category follows."""
 
 BENCH: Final[pytest.StashKey[Bench | None]] = pytest.StashKey()
-"""Who is tested in this session."""
+"""The session's `Bench`."""

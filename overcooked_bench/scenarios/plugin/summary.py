@@ -1,4 +1,4 @@
-"""What a pytest session says of the tested agent at its end."""
+"""Summarises the tested agent's results at the end of a pytest session."""
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
@@ -10,11 +10,11 @@ from overcooked_bench.scenarios.shown.comparing import category_table, changes
 
 
 def summarize(bench: Bench, records: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Gives the lines of the summary, and writes the report where one is asked for.
+    """Returns the lines of the summary, and writes the report if one is asked for.
 
     Args:
-        bench: Who was tested.
-        records: What came of the items.
+        bench: The tested agent.
+        records: The items' results.
     """
     found = sorted(records, key=lambda record: str(record["id"]))
     yield from category_table(found)
@@ -39,9 +39,9 @@ def summarize(bench: Bench, records: Sequence[Mapping[str, Any]]) -> Iterator[st
 
 
 def _changes(baseline: Sequence[Mapping[str, Any]], found: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    told = changes(baseline, found)
-    for what, names in (("newly failing", told.failing), ("newly passing", told.passing)):
+    changed = changes(baseline, found)
+    for what, names in (("newly failing", changed.failing), ("newly passing", changed.passing)):
         yield f"{what}: {len(names)}"
         yield from (f"  {name}" for name in names)
-    if told.added:
-        yield f"not in the baseline: {len(told.added)}"
+    if changed.added:
+        yield f"not in the baseline: {len(changed.added)}"
