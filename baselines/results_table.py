@@ -5,18 +5,19 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from overcooked_bench.estimate import Estimate
+from overcooked_bench.rendering.table import Column, Table
+
 from .learning.run import SUMMARY
 
-HEAD = "| layout | method | configuration | seed | with itself | with its partners | joint steps | wall-clock |"
+COLUMNS = "layout", "method", "configuration", "seed", "with itself", "with its partners", "joint steps", "wall-clock"
 
 
-def row(summary: dict[str, Any]) -> str:
-    """Writes one run."""
-    return (
-        f"| {summary['layout']} | {summary['method']} | {summary['configuration']} | {summary['seed']} | "
-        f"{_points(summary['with_itself'])} | {_points(summary['with_partners'])} | "
-        f"{summary['steps'] / 1e6:.1f} M | {summary['seconds'] / 60:.1f} min |"
-    )
+def row(summary: dict[str, Any]) -> list[str]:
+    """Lays out one run."""
+    names = [str(summary[key]) for key in ("layout", "method", "configuration", "seed")]
+    points = [_points(summary[key]) for key in ("with_itself", "with_partners")]
+    return [*names, *points, f"{summary['steps'] / 1e6:.1f} M", f"{summary['seconds'] / 60:.1f} min"]
 
 
 def table(folders: list[Path]) -> str:
@@ -27,11 +28,11 @@ def table(folders: list[Path]) -> str:
     """
     summaries = [json.loads((folder / SUMMARY).read_text()) for folder in folders]
     summaries.sort(key=lambda one: (one["layout"], one["method"], one["configuration"], one["seed"]))
-    return "\n".join([HEAD, "|---" * 8 + "|", *map(row, summaries)])
+    return Table([Column(name, left=True) for name in COLUMNS], [*map(row, summaries)]).markdown()
 
 
-def _points(told: dict[str, float] | None) -> str:
-    return f"{told['mean']:.0f} [{told['low']:.0f}, {told['high']:.0f}]" if told else "-"
+def _points(measured: dict[str, float] | None) -> str:
+    return Estimate(measured["mean"], measured["low"], measured["high"]).text(0) if measured else "-"
 
 
 def main(arguments: list[str]) -> int:

@@ -13,7 +13,7 @@ from overcooked_bench.agents.agent import UnknownLayout
 from overcooked_bench.agents.policies.policy import PolicyError
 from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.agents.submissions.checks import AgentError
-from overcooked_bench.evaluation.statistics import t_interval
+from overcooked_bench.estimate import t_interval
 from overcooked_bench.kitchen.layout import Layout, LayoutError
 
 from ..presets import PresetError, checked, config_names, named_settings

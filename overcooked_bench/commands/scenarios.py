@@ -102,7 +102,7 @@ def _print_result(result: "SuiteResult", options: argparse.Namespace) -> None:
             print(explain(one, options.agent, colour=_colour(), width=_width(), **settings), end="\n\n")
         else:
             print(f"failed  {one.item.id}: {headline(one)}")
-    print("\n".join(["", *category_table([one.to_dict() for one in result.items])]))
+    print("\n".join(["", *category_table([one.to_dict() for one in result.items]).text()]))
     if failed and not options.film:
         print("\n--film shows the last steps of what was failed")
 
@@ -167,7 +167,7 @@ def _compare(options: argparse.Namespace) -> int:
         for agent, make_agent in makers.items():
             results = run_items(make_agent, chosen, options.repeats, on_progress=partial(tell, agent))
             played[agent] = [result.to_dict() for result in results]
-    print(json.dumps(played, indent=2) if options.json else "\n".join(agents_table(played)))
+    print(json.dumps(played, indent=2) if options.json else agents_table(played).markdown())
     return 0
 
 
@@ -202,20 +202,15 @@ def _list(options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps(rows, indent=2))
         return 0
-    from rich import box
-    from rich.table import Table
+    from overcooked_bench.rendering.table import Column, Table
 
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
-    for column in ("scenario", "category", "family", "layout"):
-        table.add_column(column, no_wrap=True)
-    for column in ("T*", "K"):
-        table.add_column(column, justify="right")
-    table.add_column("tags")
+    shown = []
     for row in rows:
+        names = [str(row[key]) for key in ("id", "category", "family", "layout")]
         figures = ["-" if row[key] is None else str(row[key]) for key in ("shortest", "budget")]
-        told = [str(row[key]) for key in ("id", "category", "family", "layout")]
-        table.add_row(*told, *figures, ", ".join(row["tags"]))
-    console().print(table)
+        shown.append([*names, *figures, ", ".join(row["tags"])])
+    heads = [Column(name, left=True, wrap=False) for name in ("scenario", "category", "family", "layout")]
+    console().print(Table([*heads, "T*", "K", Column("tags", left=True)], shown).terminal())
     console().print(f"{len(rows)} scenarios; T* steps of the shortest solution, K steps that an agent has", style="dim")
     return 0
 

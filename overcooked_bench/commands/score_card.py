@@ -6,7 +6,8 @@ from functools import partial
 from hashlib import sha256
 from typing import TYPE_CHECKING, Final
 
-from overcooked_bench.evaluation.scores import CategoryScore, Estimate, ScenarioScore, Source
+from overcooked_bench.estimate import t_interval
+from overcooked_bench.evaluation.scores import CategoryScore, ScenarioScore, Source
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.agent import Reference
@@ -66,8 +67,6 @@ def play_scenarios(
 
 def _category(name: str, results: "Sequence[SuiteResult]") -> CategoryScore:
     """Takes the training seeds together."""
-    from overcooked_bench.evaluation.statistics import t_interval
-
     tallies: list[Tally] = [result.total if name == TOTAL else result.by_category[name] for result in results]
     first, runs = tallies[0], len(tallies)
     share = first.score if runs == 1 else t_interval([tally.score.value for tally in tallies], 0, 1)
@@ -77,7 +76,7 @@ def _category(name: str, results: "Sequence[SuiteResult]") -> CategoryScore:
         passed=sum(tally.passed for tally in tallies) / runs,
         not_attempted=sum(tally.not_attempted for tally in tallies) / runs,
         families=first.families,
-        share=Estimate(*share),
+        share=share,
     )
 
 

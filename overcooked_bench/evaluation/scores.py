@@ -6,6 +6,7 @@ from typing import Any, Final
 import msgspec
 
 from overcooked_bench.errors import WrongUse
+from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.protocol import Protocol
 from overcooked_bench.files import write_whole
 from overcooked_bench.kitchen.layout import DEFAULT_SOUP_REWARD
@@ -15,20 +16,6 @@ SCHEMA: Final = 1
 
 class ScoresError(WrongUse):
     """A score.json cannot be read; the message names the file and the entry."""
-
-
-class Estimate(msgspec.Struct, frozen=True):
-    """A number with its 95 % interval; `Scores.interval` says what the interval is about.
-
-    Attributes:
-        value: The estimate.
-        low: Lower end, null where the data give none.
-        high: Upper end, null where the data give none.
-    """
-
-    value: float
-    low: float | None
-    high: float | None
 
 
 class Cell(msgspec.Struct, frozen=True):

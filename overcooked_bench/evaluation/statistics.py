@@ -12,7 +12,8 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-CONFIDENCE: Final = 0.95
+from overcooked_bench.estimate import CONFIDENCE, Estimate, t_interval
+
 LOW_QUANTILE: Final = 0.15
 """The quantile over training seeds, and the share of partners in the tail.
 
@@ -23,51 +24,15 @@ UNDECIDED: Final = 2.0
 """A partner nearer to a threshold than so many standard errors is on neither side of it for certain."""
 
 
-class Interval(NamedTuple):
-    """An estimate with its 95 % interval.
-
-    Attributes:
-        value: The estimate.
-        low: Lower end, None where the data give none.
-        high: Upper end, None where the data give none.
-    """
-
-    value: float
-    low: float | None
-    high: float | None
-
-
-def t_interval(values: ArrayLike, lowest: float = -np.inf, highest: float = np.inf) -> Interval:
-    """Gives the mean of independent values with Student's t interval.
-
-    Args:
-        values: (n,) one number for each independent repetition: a training run, or an episode block of one run.
-        lowest: The interval is clipped here, where nothing lower is possible.
-        highest: And here.
-
-    Returns:
-        Both ends None where n < 2.
-    """
-    given = np.asarray(values, np.float64)
-    mean = float(given.mean())
-    if len(given) < 2:
-        return Interval(mean, None, None)
-    half = student(len(given) - 1) * float(given.std(ddof=1)) / len(given) ** 0.5
-    return Interval(mean, float(max(lowest, mean - half)), float(min(highest, mean + half)))
-
-
-def combined(layouts: Sequence[ArrayLike], lowest: float = -np.inf) -> Interval:
-    """Gives the equal-weight mean over layouts with Student's t interval over the repetitions.
+def combined(layouts: Sequence[ArrayLike], lowest: float = -np.inf) -> Estimate:
+    """Computes the equal-weight mean over layouts with Student's t interval over the repetitions.
 
     A repetition is averaged over the layouts first: one training run may be one network for all of them, so that its
     scores there are not independent.
 
     Args:
-        layouts: One (n,) array for each layout, as for `t_interval`; the i-th value is the same repetition in each.
+        layouts: One (n,) array per layout, as for `t_interval`; the i-th value is the same repetition in each.
         lowest: As for `t_interval`.
-
-    Returns:
-        Both ends None where n < 2.
     """
     return t_interval(np.stack([np.asarray(values, np.float64) for values in layouts]).mean(axis=0), lowest)
 
@@ -80,7 +45,7 @@ class Threshold(NamedTuple):
         undecided: Partners whose mean lies within two standard errors of the level; None where no error is known.
     """
 
-    reached: Interval
+    reached: Estimate
     undecided: int | None
 
 
@@ -98,17 +63,22 @@ def threshold(returns: ArrayLike, level: float) -> Threshold:
     given = np.asarray(returns, np.float64)
     seeds, partners, episodes = given.shape
     means = given.mean(axis=2)
-    counts = (means >= level).sum(axis=1)
+    counts = reached(means, level)
     middle = means.mean(axis=0)
     samples, n = (means.T, seeds) if seeds > 1 else (given[0], episodes)
     if n < 2:
-        return Threshold(Interval(float(counts[0]), None, None), None)
+        return Threshold(Estimate(float(counts[0])), None)
     errors = samples.std(axis=1, ddof=1) / n**0.5
     undecided = np.abs(middle - level) < UNDECIDED * errors
     if seeds > 1:
         return Threshold(t_interval(counts, 0, partners), int(undecided.sum()))
     certain = float(((middle >= level) & ~undecided).sum())
-    return Threshold(Interval(float(counts[0]), certain, certain + float(undecided.sum())), int(undecided.sum()))
+    return Threshold(Estimate(float(counts[0]), certain, certain + float(undecided.sum())), int(undecided.sum()))
+
+
+def reached(means: ArrayLike, level: float) -> NDArray[np.float64]:
+    """Counts each training seed's partners with a mean of at least a level: (S, P) -> (S,)."""
+    return np.asarray((np.asarray(means, np.float64) >= level).sum(axis=1), np.float64)
 
 
 def ordered(means: ArrayLike) -> NDArray[np.float64]:
@@ -197,13 +167,6 @@ def describe_low_quantile(values: ArrayLike) -> str:
 
 def _seeds_for_lower_bound() -> int:
     return ceil(float(np.log(1 - CONFIDENCE) / np.log(1 - LOW_QUANTILE)))
-
-
-def student(freedom: float) -> float:
-    """Gives the factor of a two-sided 95 % interval for so many degrees of freedom."""
-    from scipy.special import stdtrit  # scipy.stats takes far longer to import
-
-    return float(stdtrit(freedom, (1 + CONFIDENCE) / 2))
 
 
 def _binomial_cdf(n: int, p: float) -> NDArray[Any]:

@@ -8,11 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from overcooked_bench.estimate import Estimate, t_interval
 from overcooked_bench.evaluation import statistics
 from overcooked_bench.evaluation.games.roster import FLOOR
 from overcooked_bench.evaluation.games.store import Store
 from overcooked_bench.evaluation.protocol import Protocol
-from overcooked_bench.evaluation.scores import Cell, CurvePoint, Estimate, LayoutScore, ThresholdScore
+from overcooked_bench.evaluation.scores import Cell, CurvePoint, LayoutScore, ThresholdScore
 from overcooked_bench.kitchen.layout import Layout
 
 
@@ -44,7 +45,7 @@ def compute_layouts(
         returns = np.stack([table[..., 0] for table in counting.values()], axis=1)  # (S, P, E, K)
         scores.append(_layout_score(layout, layout in adapted, returns, cells, protocol))
         repetitions.append(_repetitions(returns))
-    overall = Estimate(*statistics.combined(repetitions, lowest=0)) if repetitions else None
+    overall = statistics.combined(repetitions, lowest=0) if repetitions else None
     return tuple(scores), overall
 
 
@@ -77,7 +78,7 @@ def _repetitions(returns: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _estimate(returns: NDArray[np.float64]) -> Estimate:
-    return Estimate(*statistics.t_interval(_repetitions(returns), lowest=0))
+    return t_interval(_repetitions(returns), lowest=0)
 
 
 def _seats(returns: NDArray[np.float64]) -> tuple[Estimate, ...]:
@@ -98,7 +99,7 @@ def _layout_score(
     thresholds, soup_points = [], Layout.load(layout).soup_points
     for soups in protocol.thresholds:
         reached, undecided = statistics.threshold(returns.mean(axis=3), soups * soup_points)
-        thresholds.append(ThresholdScore(soups, Estimate(*reached), reached.value / partners, undecided))
+        thresholds.append(ThresholdScore(soups, reached, reached.value / partners, undecided))
     curve = statistics.ordered(means)
     low = statistics.low_quantile(curve) if seeds > 1 else None
     return LayoutScore(
@@ -121,4 +122,4 @@ def _layout_score(
 
 
 def _over_seeds(values: NDArray[np.float64]) -> Estimate:
-    return Estimate(*statistics.t_interval(values, lowest=0))
+    return t_interval(values, lowest=0)

@@ -3,9 +3,11 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import sqrt
 from typing import Any, Final, Literal, NamedTuple
 
+import msgspec
+
+from overcooked_bench.estimate import Estimate, wilson
 from overcooked_bench.scenarios import CATEGORIES
 from overcooked_bench.scenarios.items import Item
 from overcooked_bench.scenarios.judge import Run, replay
@@ -18,42 +20,6 @@ PASS_RATE: Final = 0.8
 """The share of runs that has to pass."""
 
 Status = Literal["passed", "failed", "not attempted"]
-
-_Z: Final = 1.959963984540054  # the 0.975-quantile of the standard normal distribution
-
-
-class Rate(NamedTuple):
-    """A share with its 95 % interval.
-
-    Attributes:
-        value: From 0 to 1.
-        low: Lower end.
-        high: Upper end.
-    """
-
-    value: float
-    low: float
-    high: float
-
-    def __str__(self) -> str:
-        return f"{self.value:.2f} [{self.low:.2f}, {self.high:.2f}]"
-
-
-def wilson(passed: float, n: int) -> Rate:
-    """Gives a share and its Wilson 95 % interval.
-
-    Args:
-        passed: How many passed; also a fraction, where families count in part.
-        n: Of how many; with 0 nothing is known.
-
-    Source: Wilson 1927, "Probable inference, the law of succession, and statistical inference".
-    """
-    if not n:
-        return Rate(0.0, 0.0, 1.0)
-    share, weight = passed / n, 1 + _Z**2 / n
-    middle = (share + _Z**2 / (2 * n)) / weight
-    half = _Z / weight * sqrt(share * (1 - share) / n + _Z**2 / (4 * n**2))
-    return Rate(share, max(0.0, middle - half), min(1.0, middle + half))
 
 
 class Failure(NamedTuple):
@@ -112,10 +78,10 @@ class ItemResult:
         return self.status == "passed"
 
     @property
-    def rate(self) -> Rate:
+    def rate(self) -> Estimate:
         """The share of runs that passed; exact, without a width, where the agent is deterministic."""
         if self.deterministic or not self.runs:
-            return Rate(float(self.passes), float(self.passes), float(self.passes))
+            return Estimate(float(self.passes), float(self.passes), float(self.passes))
         return wilson(self.passes, self.runs)
 
     def to_dict(self) -> dict[str, Any]:
@@ -176,13 +142,13 @@ class Tally(NamedTuple):
     passed: int
     not_attempted: int
     adapted: int
-    score: Rate
+    score: Estimate
     mean_rate: float
     families: int
 
     def to_dict(self) -> dict[str, Any]:
         """Gives everything that JSON can hold."""
-        return {**self._asdict(), "score": self.score._asdict()}
+        return {**self._asdict(), "score": msgspec.to_builtins(self.score)}
 
 
 @dataclass(frozen=True, eq=False)

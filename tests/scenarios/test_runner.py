@@ -25,9 +25,9 @@ def test_a_deterministic_agent_is_run_once():
     assert {tuple(agent.asked) for agent in agents} == {(4,)}
     assert [r.status for r in results] == ["passed"] * 4
     assert all(r.deterministic and r.runs == r.passes == 1 and r.failure is None for r in results)
-    assert results[0].rate == (1.0, 1.0, 1.0)
+    assert tuple(results[0].rate) == (1.0, 1.0, 1.0)
     (failed, *_) = run_items(player(0.0), four(budget="150"))
-    assert (failed.status, failed.rate, failed.failure.repeat) == ("failed", (0.0, 0.0, 0.0), 0)
+    assert (failed.status, tuple(failed.rate), failed.failure.repeat) == ("failed", (0.0, 0.0, 0.0), 0)
 
 
 def test_few_decisions_do_not_show_that_an_agent_is_deterministic():

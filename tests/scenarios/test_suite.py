@@ -69,7 +69,7 @@ def test_only_pairs_ask_for_memory():
 
 
 def test_the_table_in_the_docs_is_theirs():
-    told = re.findall(r"^\| ([A-Z]\d\d-\S+) \| (\d+) \| (\d+) \|", TABLE.read_text("utf-8"), re.MULTILINE)
+    told = re.findall(r"^\| ([A-Z]\d\d-\S+) +\| +(\d+) \| +(\d+) \|", TABLE.read_text("utf-8"), re.MULTILINE)
     lock = read_lock(shipped_folder() / LOCK_FILE)
     assert {name: (int(steps), int(budget)) for name, steps, budget in told} == {
         name: (entry.steps, entry.budget) for name, entry in lock.scenarios.items()

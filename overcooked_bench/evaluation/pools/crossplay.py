@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from overcooked_bench.agents.pools.pool import Pool, PoolAgent, PoolError
 from overcooked_bench.agents.threads import one_thread
+from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.games.engines import map_tasks
 from overcooked_bench.evaluation.games.play import make_kitchens, play
 from overcooked_bench.evaluation.games.roster import TRAINED, Partner, pool_as_hashed, seat_partners
 from overcooked_bench.evaluation.games.streams import stream_key
 from overcooked_bench.evaluation.pools.matrix import agreement
-from overcooked_bench.evaluation.scores import Estimate, Source
+from overcooked_bench.evaluation.scores import Source
 
 SCHEMA: Final = 1
 EPISODES: Final = 20
@@ -211,9 +212,9 @@ def cross_play(
         ),
         means=_told(means),
         errors=_told(errors),
-        self_play=Estimate(*found.self_play),
-        cross_play=Estimate(*found.cross_play),
-        ratio=Estimate(*found.ratio) if found.ratio else None,
+        self_play=found.self_play,
+        cross_play=found.cross_play,
+        ratio=found.ratio,
         units=found.units,
     )
 

@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from overcooked_bench.evaluation.statistics import Interval, student
+from overcooked_bench.estimate import Estimate, student
 
 FEWEST_UNITS: Final = 3
 """With fewer independent agents nothing can be said about others of their kind."""
@@ -29,9 +29,9 @@ class Agreement(NamedTuple):
         units: U, independent agents.
     """
 
-    self_play: Interval
-    cross_play: Interval
-    ratio: Interval | None
+    self_play: Estimate
+    cross_play: Estimate
+    ratio: Estimate | None
     units: int
 
 
@@ -87,7 +87,7 @@ def _estimates(weights: NDArray[np.float64], matrix: NDArray[np.float64], strang
     return np.stack([self_play, cross_play, ratio])
 
 
-def _interval(value: float, half: float) -> Interval:
+def _interval(value: float, half: float) -> Estimate:
     if np.isnan(half):
-        return Interval(float(value), None, None)
-    return Interval(float(value), float(max(0.0, value - half)), float(value + half))
+        return Estimate(float(value))
+    return Estimate(float(value), float(max(0.0, value - half)), float(value + half))

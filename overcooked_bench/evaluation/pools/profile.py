@@ -13,9 +13,9 @@ from overcooked_bench.agents.policies.neural import Mode, PolicyStack
 from overcooked_bench.agents.policies.policy import Policy
 from overcooked_bench.agents.pools.records import Profile, SeatProfile, SelfPlay
 from overcooked_bench.agents.threads import one_thread
+from overcooked_bench.estimate import t_interval
 from overcooked_bench.evaluation.games.play import Party, make_kitchens, play
 from overcooked_bench.evaluation.games.streams import stream_key
-from overcooked_bench.evaluation.statistics import t_interval
 from overcooked_bench.kitchen.codes import COUNTER, DIRECTIONS, ONION_DISPENSER, POT_IDLE
 from overcooked_bench.kitchen.events import EVENTS
 from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
@@ -157,10 +157,10 @@ class Deeds:
 
 
 def _interval(values: NDArray[np.float64]) -> dict[str, float]:
-    mean, low, high = t_interval(values)
-    assert low is not None
-    assert high is not None
-    return {"mean": _rounded(mean), "low": _rounded(low), "high": _rounded(high)}
+    found = t_interval(values)
+    assert found.interval
+    low, high = found.interval
+    return {"mean": _rounded(found.value), "low": _rounded(low), "high": _rounded(high)}
 
 
 def _rounded(value: float) -> float:

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 from overcooked_bench.agents.pools.pool import Pool, PoolAgent
 from overcooked_bench.agents.pools.records import Profile, SeatProfile
+from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.pools.crossplay import CrossPlay
-from overcooked_bench.evaluation.scores import Estimate
 from overcooked_bench.evaluation.shown.tables import interval_text, plain_table
 
 if TYPE_CHECKING:

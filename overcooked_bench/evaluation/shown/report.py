@@ -7,7 +7,8 @@ from io import BytesIO
 from pathlib import Path
 from typing import Final
 
-from overcooked_bench.evaluation.scores import CategoryScore, Cell, Estimate, LayoutScore, ScenarioScore, Scores
+from overcooked_bench.estimate import Estimate
+from overcooked_bench.evaluation.scores import CategoryScore, Cell, LayoutScore, ScenarioScore, Scores
 from overcooked_bench.evaluation.shown.plots import draw_curve
 from overcooked_bench.evaluation.shown.tables import count_text, interval_text, notes
 

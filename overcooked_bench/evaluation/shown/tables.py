@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from overcooked_bench.evaluation.scores import Cell, Estimate, LayoutScore, ScenarioScore, Scores
+from overcooked_bench.estimate import Estimate
+from overcooked_bench.evaluation.scores import Cell, LayoutScore, ScenarioScore, Scores
 from overcooked_bench.kitchen.layout import DEFAULT_SOUP_REWARD
 
 if TYPE_CHECKING:

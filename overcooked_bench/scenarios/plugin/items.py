@@ -232,6 +232,7 @@ def _plainly(excinfo: pytest.ExceptionInfo[BaseException], text: str) -> Any:
 
 
 def _properties(result: "ItemResult") -> list[tuple[str, object]]:
-    rate = result.rate
-    facts: dict[str, object] = {"category": result.item.category, "rate": round(rate.value, 4)}
-    return [*{**facts, "wilson_low": round(rate.low, 4), "T*": result.steps, "K": result.budget}.items()]
+    rate, facts = result.rate, {"category": result.item.category}
+    low = rate.value if rate.low is None else rate.low
+    figures = {"rate": round(rate.value, 4), "wilson_low": round(low, 4), "T*": result.steps, "K": result.budget}
+    return [*facts.items(), *figures.items()]

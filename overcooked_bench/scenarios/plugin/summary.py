@@ -17,7 +17,7 @@ def summarize(bench: Bench, records: Sequence[Mapping[str, Any]]) -> Iterator[st
         records: The items' results.
     """
     found = sorted(records, key=lambda record: str(record["id"]))
-    yield from category_table(found)
+    yield from category_table(found).text()
     known = [record for record in found if bench.expected(record["id"]) is not None]
     if known:
         failing = sum(record["status"] != "passed" for record in known)

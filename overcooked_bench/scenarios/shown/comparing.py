@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
+from overcooked_bench.rendering.table import Table
 from overcooked_bench.scenarios.errors import ScenarioError
 from overcooked_bench.scenarios.results import SCHEMA, Tally, tallies, tally
 
@@ -63,25 +64,20 @@ def changes(before: Sequence[Mapping[str, Any]], now: Sequence[Mapping[str, Any]
     )
 
 
-def category_table(records: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Lays out categories as lines of text: what was passed, the mean over families with its interval, the rest.
+def category_table(records: Sequence[Mapping[str, Any]]) -> Table:
+    """Lays out categories: what was passed, the mean over families with its interval, the rest.
 
     Args:
         records: Of items, as reports have them.
     """
-    rows: list[tuple[str, ...]] = [
-        ("category", "passed", "of", "mean of families [95 %]", "rate", "families", "not attempted")
-    ]
     found = tallies("category", records)
-    rows += [_row(name, counted) for name, counted in found.items()]
-    if len(found) > 1:
-        rows.append(_row("total", tally(records)))
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return ["  ".join(_padded(row, widths)).rstrip() for row in rows]
+    columns = "category", "passed", "of", "mean of families [95 %]", "rate", "families", "not attempted"
+    total = [_row("total", tally(records))] if len(found) > 1 else []
+    return Table(columns, [_row(name, counted) for name, counted in found.items()], total)
 
 
-def agents_table(played: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]:
-    """Lays out agents as Markdown: how many items of each category they pass, and how many discriminate.
+def agents_table(played: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
+    """Lays out agents: how many items of each category they pass, and how many discriminate.
 
     An item discriminates if one agent passes it and another fails it; a scenario, if one of its items does.
 
@@ -94,21 +90,14 @@ def agents_table(played: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]
     scenarios = {r["id"]: r["scenarios"] for r in first}
     passed = {agent: {r["id"] for r in records if r["status"] == "passed"} for agent, records in played.items()}
     apart = {item for item in scenarios if len({item in own for own in passed.values()}) > 1}
-    rows = [["", *ids]]
-    rows += [[agent, *(str(len(own & some)) for some in ids.values())] for agent, own in passed.items()]
-    rows.append(["items", *(str(len(some)) for some in ids.values())])
-    rows.append(["items that discriminate", *(str(len(apart & some)) for some in ids.values())])
+    rows = [[agent, *(str(len(own & some)) for some in ids.values())] for agent, own in passed.items()]
     separating = [len({scenario for item in apart & some for scenario in scenarios[item]}) for some in ids.values()]
-    rows.append(["scenarios that discriminate", *map(str, separating)])
-    widths = [max(len(row[column]) for row in rows) for column in range(len(ids) + 1)]
-    lines = [" | ".join(_padded(row, widths)) for row in rows]
-    rule = "|".join(f"{'-' * (width + 1)}{':' if place else '-'}" for place, width in enumerate(widths))
-    return [f"| {lines[0]} |", f"|{rule}|", *(f"| {line} |" for line in lines[1:])]
-
-
-def _padded(row: Sequence[str], widths: Sequence[int]) -> list[str]:
-    """Aligns the first cell on the left and the others on the right."""
-    return [row[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True))]
+    foot = [
+        ["items", *(str(len(some)) for some in ids.values())],
+        ["items that discriminate", *(str(len(apart & some)) for some in ids.values())],
+        ["scenarios that discriminate", *map(str, separating)],
+    ]
+    return Table(["", *ids], rows, foot)
 
 
 def _row(name: str, counted: Tally) -> tuple[str, ...]:

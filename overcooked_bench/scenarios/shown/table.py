@@ -10,6 +10,7 @@ from itertools import groupby
 from typing import Final
 
 from overcooked_bench.agents.catalogue import find
+from overcooked_bench.rendering.table import Table
 from overcooked_bench.scenarios import CATEGORIES
 from overcooked_bench.scenarios.items import load_items, load_scenarios
 from overcooked_bench.scenarios.runner import REPEATS, run_items
@@ -44,19 +45,20 @@ def gate_table(reports: Sequence[GateReport]) -> list[str]:
     for category in CATEGORIES:
         chosen = [report for report in reports if report.scenario.category == category]
         if chosen:
-            lines += [f"## {category}", "", *_head(["T*", "K", "random", "stay", *PLAYERS, "honest"])]
-            lines += [*map(_figures, chosen), ""]
+            columns = "", "T*", "K", "random", "stay", *PLAYERS, "honest"
+            lines += [f"## {category}", "", Table(columns, [*map(_figures, chosen)]).markdown(), ""]
     mean = sum(report.mean_random for report in reports) / max(1, len(reports))
     return [*lines, f"Random play passes {100 * mean:.1f} % of its runs on average."]
 
 
 def apart_table(verdicts: Verdicts) -> list[str]:
     """Writes as Markdown how many items tell two agents apart, and which ones nobody passes."""
-    lines = _head(list(verdicts))
-    for name, one in verdicts.items():
-        counts = [sum(one[item] != other[item] for item in one) for other in verdicts.values()]
-        lines.append(_row([name, *map(str, counts)]))
-    lines.append(_row(["passed", *(str(sum(one.values())) for one in verdicts.values())]))
+    rows = [
+        [name, *(str(sum(one[item] != other[item] for item in one)) for other in verdicts.values())]
+        for name, one in verdicts.items()
+    ]
+    passed = ["passed", *(str(sum(one.values())) for one in verdicts.values())]
+    lines = [Table(["", *verdicts], rows, [passed]).markdown()]
     ids = list(next(iter(verdicts.values()), {}))
     nobody = [item for item in ids if not any(one[item] for one in verdicts.values())]
     everybody = [item for item in ids if all(one[item] for one in verdicts.values())]
@@ -88,18 +90,10 @@ def shipped_tables(agents: Sequence[str] = ()) -> list[str]:
     ]
 
 
-def _figures(report: GateReport) -> str:
+def _figures(report: GateReport) -> list[str]:
     random = f"{100 * report.random:.1f} %"
     passed = [report.stay, *(report.players.get(name, 0) for name in PLAYERS), report.honest]
-    return _row([report.scenario.id, str(report.steps), str(report.budget), random, *map(str, passed)])
-
-
-def _head(columns: Sequence[str]) -> list[str]:
-    return [_row(["", *columns]), "|:--" + "|--:" * len(columns) + "|"]
-
-
-def _row(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |"
+    return [report.scenario.id, str(report.steps), str(report.budget), random, *map(str, passed)]
 
 
 def _listed(items: Sequence[str]) -> str:

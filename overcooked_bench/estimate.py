@@ -1,0 +1,115 @@
+"""`Estimate`: a number with its 95 % interval, and the intervals that every room uses."""
+
+from collections.abc import Iterator
+from math import sqrt
+from typing import Final
+
+import msgspec
+import numpy as np
+from numpy.typing import ArrayLike
+
+CONFIDENCE: Final = 0.95
+
+_Z: Final = 1.959963984540054  # the 0.975-quantile of the standard normal distribution
+
+
+class Estimate(msgspec.Struct, frozen=True):
+    """A number with its 95 % interval; unpacks as `value, low, high`.
+
+    Attributes:
+        value: The estimate.
+        low: Lower end, None if the data give none.
+        high: Upper end, None if the data give none.
+    """
+
+    value: float
+    low: float | None = None
+    high: float | None = None
+
+    def __iter__(self) -> Iterator[float | None]:
+        yield from (self.value, self.low, self.high)
+
+    def __str__(self) -> str:
+        return self.text(2)
+
+    @property
+    def interval(self) -> tuple[float, float] | None:
+        """Both ends, or None if there is no interval."""
+        return None if self.low is None or self.high is None else (self.low, self.high)
+
+    def text(self, digits: int = 1) -> str:
+        """Writes `12.3 [10.0, 14.6]`, or the value alone if there is no interval."""
+        value = f"{self.value:.{digits}f}"
+        if self.interval is None:
+            return value
+        low, high = self.interval
+        return f"{value} [{low:.{digits}f}, {high:.{digits}f}]"
+
+
+def t_interval(values: ArrayLike, lowest: float = -np.inf, highest: float = np.inf) -> Estimate:
+    """Computes the mean of independent values with Student's t interval.
+
+    Args:
+        values: (n,) one number per independent repetition: a training run, or an episode block of one run.
+        lowest: The interval is clipped here, if nothing lower is possible.
+        highest: And here, if nothing higher is.
+
+    Returns:
+        An estimate without an interval if n < 2.
+    """
+    given = np.asarray(values, np.float64)
+    mean = float(given.mean())
+    if len(given) < 2:
+        return Estimate(mean)
+    half = student(len(given) - 1) * float(given.std(ddof=1)) / len(given) ** 0.5
+    return Estimate(mean, float(max(lowest, mean - half)), float(min(highest, mean + half)))
+
+
+def welch_interval(first: ArrayLike, second: ArrayLike) -> Estimate:
+    """Computes the difference of two independent means, the first minus the second, with Welch's t interval.
+
+    Args:
+        first: (n,) values.
+        second: (m,) values.
+
+    Returns:
+        An estimate without an interval if n or m is less than 2.
+
+    Source: Welch 1947, "The generalization of 'Student's' problem when several different population variances are
+    involved".
+    """
+    pair = np.asarray(first, np.float64), np.asarray(second, np.float64)
+    difference = float(pair[0].mean() - pair[1].mean())
+    if min(map(len, pair)) < 2:
+        return Estimate(difference)
+    errors = [float(values.var(ddof=1)) / len(values) for values in pair]
+    total = sum(errors)
+    if not total:
+        return Estimate(difference, difference, difference)
+    freedom = total**2 / sum(error**2 / (len(values) - 1) for error, values in zip(errors, pair, strict=True))
+    half = student(freedom) * sqrt(total)
+    return Estimate(difference, difference - half, difference + half)
+
+
+def wilson(passed: float, n: int) -> Estimate:
+    """Computes a share and its Wilson interval.
+
+    Args:
+        passed: How many passed; also a fraction, if families count in part.
+        n: Of how many; with 0 nothing is known.
+
+    Source: Wilson 1927, "Probable inference, the law of succession, and statistical inference".
+    """
+    if not n:
+        return Estimate(0.0, 0.0, 1.0)
+    share, weight = passed / n, 1 + _Z**2 / n
+    middle = (share + _Z**2 / (2 * n)) / weight
+    half = _Z / weight * sqrt(share * (1 - share) / n + _Z**2 / (4 * n**2))
+    return Estimate(share, max(0.0, middle - half), min(1.0, middle + half))
+
+
+def student(freedom: float) -> float:
+    """Returns the factor of a two-sided 95 % interval for so many degrees of freedom."""
+    from scipy.special import stdtrit  # scipy.stats takes far longer to import
+
+    return float(stdtrit(freedom, (1 + CONFIDENCE) / 2))

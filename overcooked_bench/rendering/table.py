@@ -1,0 +1,171 @@
+"""`Table`: rows of text, laid out for a terminal, as Markdown, HTML or CSV."""
+
+import csv
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+from io import StringIO
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from rich.table import Table as RichTable
+
+
+class Column(NamedTuple):
+    """A column.
+
+    Attributes:
+        heading: What is above it; a line break is kept.
+        left: Whether its cells are aligned on the left.
+        wrap: Whether its cells may be broken into lines where space is short.
+    """
+
+    heading: str
+    left: bool = False
+    wrap: bool = True
+
+
+class Code(NamedTuple):
+    """A cell that is to be copied, such as a command.
+
+    Attributes:
+        text: What it says.
+    """
+
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
+class Number(NamedTuple):
+    """A cell with a number and what is known about its error.
+
+    Attributes:
+        value: The number.
+        interval: Its interval in brackets; HTML mutes it.
+    """
+
+    value: str
+    interval: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.value} {self.interval}".rstrip()
+
+
+Cell = str | Code | Number
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns, rows of cells, and rows below a line that sum them up; texts are printed as they are.
+
+    Attributes:
+        columns: Names, or `Column` where more has to be said; by default the first is on the left, the others on the
+            right.
+        rows: A cell per column; missing cells at the end are empty.
+        foot: Rows below a line.
+    """
+
+    columns: Sequence[str | Column]
+    rows: Sequence[Sequence[Cell]]
+    foot: Sequence[Sequence[Cell]] = ()
+
+    def terminal(self) -> "RichTable":
+        """Lays the table out for `rich`; control characters and markup in cells have no effect."""
+        from rich import box
+        from rich.table import Table as RichTable
+        from rich.text import Text
+
+        table = RichTable(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
+        for column in self._columns():
+            table.add_column(Text(column.heading), justify="left" if column.left else "right", no_wrap=not column.wrap)
+        for row in self._filled(self.rows):
+            table.add_row(*(Text(_printable(cell)) for cell in row))
+        for row in self._filled(self.foot):
+            table.add_section()
+            table.add_row(*(Text(_printable(cell)) for cell in row))
+        return table
+
+    def text(self) -> list[str]:
+        """Lays the table out as lines of plain text, as wide as they need to be."""
+        columns = self._columns()
+        heads = [column.heading.replace("\n", " ") for column in columns]
+        rows = [[_printable(cell) for cell in row] for row in self._filled((*self.rows, *self.foot))]
+        widths = [max(map(len, cells)) for cells in zip(heads, *rows, strict=True)]
+        return ["  ".join(_aligned(row, widths, columns)).rstrip() for row in (heads, *rows)]
+
+    def markdown(self) -> str:
+        """Writes the table as Markdown, aligned in the source, too."""
+        columns = self._columns()
+        heads = [_markdown(column.heading) for column in columns]
+        rows = [[_markdown(cell) for cell in row] for row in self._filled((*self.rows, *self.foot))]
+        widths = [max(1, *map(len, cells)) for cells in zip(heads, *rows, strict=True)]
+        rule = ["-" * (width + 1) + "-:"[not column.left] for width, column in zip(widths, columns, strict=True)]
+        lines = [" | ".join(_aligned(row, widths, columns)) for row in (heads, *rows)]
+        return "\n".join([f"| {lines[0]} |", f"|{'|'.join(rule)}|", *(f"| {line} |" for line in lines[1:])])
+
+    def html(self) -> str:
+        """Writes the table as HTML, in an element that scrolls sideways where space is short."""
+        columns = self._columns()
+
+        def line(tag: str, cells: Iterable[Cell], kind: str = "") -> str:
+            written = "".join(
+                f"<{tag}{_style(column, cell)}>{_html(cell)}</{tag}>"
+                for cell, column in zip(cells, columns, strict=True)
+            )
+            return f"<tr{kind}>{written}</tr>"
+
+        lines = [
+            "<thead>" + line("th", [column.heading for column in columns]) + "</thead>",
+            *(line("td", row) for row in self._filled(self.rows)),
+            *(line("td", row, ' class="sum"') for row in self._filled(self.foot)),
+        ]
+        return '<div class="wide"><table>\n' + "\n".join(lines) + "\n</table></div>"
+
+    def csv(self) -> str:
+        """Writes the table as CSV (RFC 4180)."""
+        file = StringIO()
+        writer = csv.writer(file)
+        writer.writerow([column.heading.replace("\n", " ") for column in self._columns()])
+        writer.writerows([str(cell) for cell in row] for row in self._filled((*self.rows, *self.foot)))
+        return file.getvalue()
+
+    def _columns(self) -> list[Column]:
+        return [
+            column if isinstance(column, Column) else Column(column, left=index == 0, wrap=index > 0)
+            for index, column in enumerate(self.columns)
+        ]
+
+    def _filled(self, rows: Sequence[Sequence[Cell]]) -> list[list[Cell]]:
+        return [[*row, *[""] * (len(self.columns) - len(row))] for row in rows]
+
+
+def _aligned(cells: Iterable[str], widths: Iterable[int], columns: Iterable[Column]) -> list[str]:
+    return [
+        cell.ljust(width) if column.left else cell.rjust(width)
+        for cell, width, column in zip(cells, widths, columns, strict=True)
+    ]
+
+
+def _printable(cell: Cell) -> str:
+    """Replaces control characters, which names from files may hold, by what Python writes for them."""
+    return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in str(cell))
+
+
+def _markdown(cell: Cell) -> str:
+    text = _printable(cell).replace("\n", " ").replace("|", "\\|").replace("<", "\\<")
+    return f"`{text}`" if isinstance(cell, Code) else text
+
+
+def _html(cell: Cell) -> str:
+    if isinstance(cell, Code):
+        return f"<code>{escape(cell.text)}</code>"
+    if isinstance(cell, Number):
+        return escape(cell.value) + (f" <small>{escape(cell.interval)}</small>" if cell.interval else "")
+    return escape(_printable(cell)).replace("\n", "<br>")
+
+
+def _style(column: Column, cell: Cell) -> str:
+    kinds = ["left"] * column.left + ["code"] * isinstance(cell, Code)
+    return f' class="{" ".join(kinds)}"' if kinds else ""
