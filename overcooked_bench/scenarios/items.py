@@ -1,4 +1,4 @@
-"""What is counted: a scenario from one seat in one mirror, or both halves of a pair together; and how to choose."""
+"""Items, the unit that results count: a scenario from one seat in one mirror image, or both halves of a pair."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -25,12 +25,12 @@ category, a family, a tag, a pattern with `*`, the path of a file or a folder.""
 
 @dataclass(frozen=True)
 class Item:
-    """What an agent passes or fails as a whole.
+    """A test that an agent passes or fails as a whole.
 
     Attributes:
         id: `<scenario>-seat0`, `<scenario>-seat1-mirrored`, or `<pair>-pair`.
-        situations: What is played: one situation, or both halves of a pair, each from both seats.
-        family: The unit of the score by family.
+        situations: One situation, or both halves of a pair, each from both seats.
+        family: The family for the mean over families.
         tags: Words to select by.
     """
 
@@ -66,16 +66,16 @@ class Item:
 
     @property
     def kitchen(self) -> tuple[str, str, bool]:
-        """What items have to share to be played at once: layout, cooking mode, mirrored or not."""
+        """The properties that items must share to be played together: layout, cooking mode, mirrored or not."""
         situation = self.situations[0]
         return situation.layout.name, situation.scenario.cooking, situation.mirrored
 
 
 def items(scenarios: Iterable[Scenario]) -> list[Item]:
-    """Gives all items of some scenarios, sorted by id.
+    """Returns all items of some scenarios, sorted by id.
 
     Raises:
-        ScenarioError: An id occurs twice, or a pair has not two halves of one category.
+        ScenarioError: An id occurs twice, or a pair does not have two halves of one category.
     """
     known: dict[str, Scenario] = {}
     pairs: dict[str, list[Scenario]] = {}
@@ -111,10 +111,10 @@ def load_scenarios(select: Select = None) -> list[Scenario]:
 
 
 def load_items(select: Select = None) -> list[Item]:
-    """Reads scenarios and gives items, sorted by id.
+    """Reads scenarios and returns items, sorted by id.
 
     Args:
-        select: Which ones; see `Select`.
+        select: Which items; see `Select`.
 
     Raises:
         ScenarioError: A file is wrong, or something that is asked for does not exist; says what is near.
@@ -134,7 +134,7 @@ def load_items(select: Select = None) -> list[Item]:
 
 
 def read_files(paths: Iterable[Path]) -> list[Scenario]:
-    """Reads files, and all `.yaml` files directly in folders; a pair's other half is looked for beside it.
+    """Reads files, and all `.yaml` files directly in folders; a pair's other half is read from the same folder.
 
     Raises:
         ScenarioError: There is no such file, no scenario in a folder, or a file is wrong.
@@ -155,7 +155,7 @@ def read_files(paths: Iterable[Path]) -> list[Scenario]:
 
 
 def shipped_folder() -> Path:
-    """Gives the folder of the scenarios that ship."""
+    """Returns the folder of the scenarios that ship."""
     return Path(str(files(_PACKAGE)))
 
 

@@ -1,4 +1,4 @@
-"""What came of a run of the suite: item by item, and by category and family, ready for JSON."""
+"""Results of a run of the suite: by item, by category and by family, ready for JSON."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,10 +14,10 @@ from overcooked_bench.scenarios.judge import Run, replay
 from overcooked_bench.scenarios.scenario import Situation
 
 SCHEMA: Final = 1
-"""Version of `SuiteResult.to_dict`; it goes up when a key changes its meaning or is gone."""
+"""Version of `SuiteResult.to_dict`; raise it when a key changes its meaning or is removed."""
 
 PASS_RATE: Final = 0.8
-"""The share of runs that has to pass."""
+"""The share of runs that must pass."""
 
 Status = Literal["passed", "failed", "not attempted"]
 
@@ -26,7 +26,7 @@ class Failure(NamedTuple):
     """The first run of an item that failed.
 
     Attributes:
-        situation: What was played.
+        situation: The situation that was played.
         budget: Steps that A had.
         repeat: Which repeat, from 0.
         seed: A's seed in it.
@@ -40,25 +40,25 @@ class Failure(NamedTuple):
     actions: tuple[tuple[int, int], ...]
 
     def run(self) -> Run:
-        """Plays it again and looks closely."""
+        """Replays and judges it."""
         return replay(self.situation, self.budget, self.actions)
 
 
 @dataclass(frozen=True, eq=False)
 class ItemResult:
-    """What came of one item.
+    """The result of one item.
 
     Attributes:
         item: The item.
-        status: "passed", "failed", or "not attempted" where the agent does not know the kitchen: failed, too.
-        runs: Runs of each situation; 1 where the agent is deterministic, 0 where it was not attempted.
-        passes: Runs that passed; of a pair, in its worst situation.
+        status: "passed", "failed", or "not attempted" if the agent declined the layout; that counts as failed.
+        runs: Runs of each situation; 1 if the agent is deterministic, 0 if it was not attempted.
+        passes: Runs that passed; for a pair, in its worst situation.
         deterministic: Whether runs with other seeds were the same, so that one is exact.
         adapted: Whether the agent was shown the mirrored kitchen mirrored back.
-        budget: Steps that A had; of a pair, the greatest.
-        steps: T*, where the lock file knows it; of a pair, the greatest.
+        budget: Steps that A had; for a pair, the greatest.
+        steps: T*, if the lock file contains it; for a pair, the greatest.
         failure: The first run that failed.
-        reason: Why it was not attempted, or could not be played to its end.
+        reason: Why it was not attempted, or could not be completed.
     """
 
     item: Item
@@ -79,13 +79,13 @@ class ItemResult:
 
     @property
     def rate(self) -> Estimate:
-        """The share of runs that passed; exact, without a width, where the agent is deterministic."""
+        """The share of runs that passed; an interval of width 0 if the agent is deterministic."""
         if self.deterministic or not self.runs:
             return Estimate(float(self.passes), float(self.passes), float(self.passes))
         return wilson(self.passes, self.runs)
 
     def to_dict(self) -> dict[str, Any]:
-        """Gives everything that JSON can hold."""
+        """Returns everything as JSON types."""
         rate, failure = self.rate, self.failure
         return {
             "id": self.item.id,
@@ -120,22 +120,22 @@ class ItemResult:
 
 
 def faulty(item: Item, reason: str) -> ItemResult:
-    """Gives the result of an item that could not be played to its end: failed."""
+    """Returns the result of an item that could not be completed: failed."""
     return ItemResult(item, "failed", 0, 0, False, False, 0, None, reason=reason)
 
 
 class Tally(NamedTuple):
-    """Several items together.
+    """The combined result of several items.
 
     Attributes:
-        n: Items.
+        n: Number of items.
         passed: Items that were passed.
-        not_attempted: Items of kitchens that the agent does not know; they count as failed.
+        not_attempted: Items of layouts that the agent declined; they count as failed.
         adapted: Items that were played with the mirrored kitchen mirrored back.
-        score: The mean over families of the share passed, with the Wilson interval for so many families: items of one
-            family are alike, and their number says little.
-        mean_rate: The mean over families of the runs' pass rates: the same, less coarse.
-        families: How many.
+        score: The mean over families of the share passed, with the Wilson interval for that number of families: items
+            of one family are similar, so their number says little.
+        mean_rate: The mean over families of the runs' pass rates, which is less coarse.
+        families: Number of families.
     """
 
     n: int
@@ -147,22 +147,22 @@ class Tally(NamedTuple):
     families: int
 
     def to_dict(self) -> dict[str, Any]:
-        """Gives everything that JSON can hold."""
+        """Returns everything as JSON types."""
         return {**self._asdict(), "score": msgspec.to_builtins(self.score)}
 
 
 @dataclass(frozen=True, eq=False)
 class SuiteResult:
-    """What came of a run of the suite.
+    """The result of a run of the suite.
 
     Attributes:
-        agent: What the agent is called.
+        agent: The agent's name.
         mode: How frozen policies act: "sample" or "greedy".
         repeats: Runs of each situation for agents that are not deterministic.
-        training_seed: Which training run of a submission.
-        warmup: How often the first view was shown before the agent was asked for the first time.
+        training_seed: Which training run of a submission was tested.
+        warmup: How often the first observation was shown before the agent was asked for the first time.
         sequential: Whether an item's runs ended once its verdict was certain.
-        items: One by one, sorted by id.
+        items: Results by item, sorted by id.
     """
 
     agent: str
@@ -185,12 +185,12 @@ class SuiteResult:
 
     @cached_property
     def total(self) -> Tally:
-        """All of them together."""
+        """The combined result of all items."""
         return tally(result.to_dict() for result in self.items)
 
     @cached_property
     def by_category(self) -> dict[str, Tally]:
-        """Each category that was played, in the order of `CATEGORIES`."""
+        """The combined result of each category that was played, in the order of `CATEGORIES`."""
         return tallies("category", [result.to_dict() for result in self.items])
 
     @cached_property
@@ -199,15 +199,15 @@ class SuiteResult:
         return tallies("family", [result.to_dict() for result in self.items])
 
     def result(self, item: str) -> ItemResult:
-        """Gives an item's result by its id.
+        """Returns an item's result by its id.
 
         Raises:
-            KeyError: It was not played.
+            KeyError: There is no such item, or it was not played.
         """
         return next((result for result in self.items if result.item.id == item), None) or _missing(item)
 
     def to_dict(self) -> dict[str, Any]:
-        """Gives everything that JSON can hold."""
+        """Returns everything as JSON types."""
         settings = ("agent", "mode", "repeats", "training_seed", "warmup", "sequential")
         return suite_record({key: getattr(self, key) for key in settings}, [result.to_dict() for result in self.items])
 
@@ -217,7 +217,7 @@ Record = Mapping[str, Any]
 
 
 def tally(records: Iterable[Record]) -> Tally:
-    """Takes items together."""
+    """Combines items."""
     found = list(records)
     families: dict[str, list[Record]] = {}
     for record in found:
@@ -236,7 +236,7 @@ def tally(records: Iterable[Record]) -> Tally:
 
 
 def tallies(key: Literal["category", "family"], records: Iterable[Record]) -> dict[str, Tally]:
-    """Takes the items of each category or family together; categories in the order of `CATEGORIES`."""
+    """Combines the items of each category or family; categories in the order of `CATEGORIES`."""
     groups: dict[str, list[Record]] = {}
     for record in records:
         groups.setdefault(record[key], []).append(record)
@@ -245,11 +245,11 @@ def tallies(key: Literal["category", "family"], records: Iterable[Record]) -> di
 
 
 def suite_record(settings: Mapping[str, Any], records: Sequence[Record]) -> dict[str, Any]:
-    """Gives a run of the suite as JSON can hold it.
+    """Returns a run of the suite as JSON types.
 
     Args:
-        settings: How it was run: agent, mode, repeats and the like.
-        records: Of its items, by id.
+        settings: The settings of the run: agent, mode, repeats and so on.
+        records: The items' records, by id.
     """
     from importlib.metadata import version
 

@@ -47,7 +47,7 @@ def test_run_tells_what_is_passed(home, capsys):
     assert re.search(r"state +4 +4 +1\.00 \[0\.21, 1\.00\]", capsys.readouterr().out)
     assert scenarios("run", ".", "--agent", "potter.py", "--output", "all.json") == 1
     shown = capsys.readouterr().out
-    assert "failed  T01-yield-seat0: fails every run, as the agent always acts alike\n" in shown
+    assert "failed  T01-yield-seat0: fails every run, as the agent is deterministic\n" in shown
     assert re.search(r"total +4 +8 ", shown)
     assert scenarios("run", ".", "--agent", "potter.py", "--json") == 1
     assert capsys.readouterr().out == (home / "all.json").read_text()
@@ -61,7 +61,7 @@ def test_run_shows_films(home, capsys):
     assert scenarios("run", "T01-yield.yaml", "--agent", "potter.py", "--film", "--seat", "0") == 1
     shown = capsys.readouterr().out
     assert "`A.holds(dish)` never held" in shown
-    (command, *_) = re.findall("play it again: overcooked-bench scenarios (.*)", shown)
+    (command, *_) = re.findall("replay it: overcooked-bench scenarios (.*)", shown)
     assert command == "run T01-yield.yaml --agent potter.py --seat 0 --repeat 0"
     assert scenarios(*command.split()) == 1
     shown = capsys.readouterr().out

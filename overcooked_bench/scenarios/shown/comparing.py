@@ -1,4 +1,4 @@
-"""Reports of the suite: reading one, what changed between two, and a table of categories."""
+"""Reads reports of the suite, lists what changed between two, and tabulates categories."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -13,7 +13,7 @@ _ALL: Final = "all"
 
 
 class Changes(NamedTuple):
-    """What differs between two reports, by item ids.
+    """The differences between two reports, by item ids.
 
     Attributes:
         failing: Failed now and passed before.
@@ -30,7 +30,7 @@ def read_report(path: str | Path) -> dict[str, Any]:
     """Reads a report that `--scenario-report` or `scenarios run --output` wrote.
 
     Raises:
-        ScenarioError: It cannot be read, or is no report of this version.
+        ScenarioError: It cannot be read, or is not a report of this version.
     """
     try:
         report = json.loads(Path(path).read_text("utf-8"))
@@ -54,7 +54,7 @@ def read_report(path: str | Path) -> dict[str, Any]:
 
 
 def changes(before: Sequence[Mapping[str, Any]], now: Sequence[Mapping[str, Any]]) -> Changes:
-    """Compares the items of two reports; what is in the older one alone was not played now, and is left out."""
+    """Compares the items of two reports; items that only the older one has were not played now, and are left out."""
     passed = {item["id"]: item["status"] == "passed" for item in before}
     ids = [(item["id"], item["status"] == "passed") for item in now]
     return Changes(
@@ -65,10 +65,10 @@ def changes(before: Sequence[Mapping[str, Any]], now: Sequence[Mapping[str, Any]
 
 
 def category_table(records: Sequence[Mapping[str, Any]]) -> Table:
-    """Lays out categories: what was passed, the mean over families with its interval, the rest.
+    """Tabulates categories: items passed, the mean over families with its interval, and so on.
 
     Args:
-        records: Of items, as reports have them.
+        records: The items' records, as reports contain them.
     """
     found = tallies("category", records)
     columns = "category", "passed", "of", "mean of families [95 %]", "rate", "families", "not attempted"
@@ -77,7 +77,7 @@ def category_table(records: Sequence[Mapping[str, Any]]) -> Table:
 
 
 def agents_table(played: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
-    """Lays out agents: how many items of each category they pass, and how many discriminate.
+    """Tabulates agents: how many items of each category they pass, and how many discriminate.
 
     An item discriminates if one agent passes it and another fails it; a scenario, if one of its items does.
 

@@ -1,4 +1,4 @@
-"""Why an item was failed, in words and pictures, and the command that plays the run again."""
+"""Explains why an agent failed an item, in words and pictures, with the command that replays the run."""
 
 import os
 import shlex
@@ -13,24 +13,24 @@ PROGRAM: Final = ("overcooked-bench", "scenarios", "run")
 
 
 def headline(result: ItemResult) -> str:
-    """Says in one line what came of an item."""
+    """Returns an item's result in one line."""
     if result.status == "not attempted":
         return f"not attempted: {result.reason}"
     if result.deterministic:
-        return f"{'passes' if result.passed else 'fails'} every run, as the agent always acts alike"
+        return f"{'passes' if result.passed else 'fails'} every run, as the agent is deterministic"
     which = " in the worse half" if result.item.is_pair else ""
     return f"{result.passes} of {result.runs} runs passed{which}: {result.rate}; {PASS_RATE} is needed"
 
 
 def explain(result: ItemResult, agent: str, *, colour: bool = False, width: int = 100, **settings: Any) -> str:
-    """Says why an item was failed: the rate, what did not hold, the film of the last steps, and how to play it again.
+    """Explains a failure: the rate, what did not hold, the frames of the last steps, and how to replay it.
 
     Args:
-        result: What came of it.
-        agent: What the agent is called on the command line.
-        colour: Whether for a terminal with colours.
-        width: Characters of a line of the film.
-        settings: Handed on to `replay_command`.
+        result: The item's result.
+        agent: The agent's name on the command line.
+        colour: Whether to use a terminal's colours.
+        width: Characters per line of the frames.
+        settings: Passed on to `replay_command`.
     """
     lines = [f"{result.item.id}: {headline(result)}"]
     failure = result.failure
@@ -44,21 +44,21 @@ def explain(result: ItemResult, agent: str, *, colour: bool = False, width: int 
             run.film(colour=colour, width=width),
         ]
         if Path(failure.situation.scenario.source).is_file():
-            lines += ["", f"play it again: {replay_command(failure, agent, **settings)}"]
+            lines += ["", f"replay it: {replay_command(failure, agent, **settings)}"]
     return "\n".join(lines)
 
 
 def replay_command(
     failure: Failure, agent: str, *, mode: str = "sample", training_seed: int = 0, warmup: int = 0
 ) -> str:
-    """Gives the command line that plays a failed run again and shows its film.
+    """Returns the command line that replays a failed run and shows its frames.
 
     Args:
         failure: The run.
-        agent: What the agent is called on the command line.
+        agent: The agent's name on the command line.
         mode: How frozen policies act.
         training_seed: Which of a submission's training runs.
-        warmup: First views shown before.
+        warmup: How often the first observation is shown before the start.
     """
     situation = failure.situation
     words = [*PROGRAM, selector(situation), "--agent", agent, "--seat", str(situation.seat)]
@@ -69,7 +69,7 @@ def replay_command(
 
 
 def selector(situation: Situation) -> str:
-    """Gives what selects a situation's scenario: its id where it ships, else its file."""
+    """Returns the text that selects a situation's scenario: its id if it ships, else its file."""
     scenario = situation.scenario
     file = Path(scenario.source).absolute()
     if file.parent == shipped_folder().absolute():

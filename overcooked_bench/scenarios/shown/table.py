@@ -1,4 +1,4 @@
-"""All scenarios with their figures as Markdown, and whom they tell apart.
+"""Tabulates all scenarios with their figures as Markdown, and which agents each item separates.
 
 `python -m overcooked_bench.scenarios.shown.table [AGENT ...]` prints both for the shipped scenarios;
 `docs/scenarios.md` is its output. Agents are named as for `overcooked-bench scenarios run --agent`.
@@ -23,13 +23,14 @@ T* is the length of the shortest solution and K the number of steps that an agen
 that uniformly random play passes, in the worst of the four situations (both seats, plain and mirrored): at most
 {100 * MOST_RANDOM:.0f} %, and at most {100 * MEAN_RANDOM:.0f} % on average. The other columns count the situations, of
 four, that are passed: by doing nothing, which must pass none; by the scripted agents and by two rigid cooks, who never
-put anything down (`push` walks as if B were air, `wait` goes round it); and by `honest`, a planner that knows of B
-nothing but its past and has to pass all."""
+put anything down (`push` walks as if B were not there, `wait` walks around B); and by `honest`, a planner that sees
+only
+B's past actions and has to pass all."""
 
 _APART: Final = """\
-How many items one of two agents passes and the other does not. An item is a scenario from one seat in one mirror, or a
-pair of scenarios as a whole; it is passed where at least 80 % of 20 runs are. Agents that are trained for each layout
-know no others, and fail there."""
+How many items one of two agents passes and the other fails. An item is a scenario from one seat in the plain kitchen or
+its mirror image, or a pair of scenarios as a whole; it is passed if at least 80 % of 20 runs pass. Agents that are
+trained for one layout fail on all others."""
 
 Verdicts = Mapping[str, Mapping[str, bool]]
 """Agent -> item -> whether it was passed."""
@@ -52,7 +53,7 @@ def gate_table(reports: Sequence[GateReport]) -> list[str]:
 
 
 def apart_table(verdicts: Verdicts) -> list[str]:
-    """Writes as Markdown how many items tell two agents apart, and which ones nobody passes."""
+    """Writes as Markdown how many items separate two agents, and which ones nobody passes."""
     rows = [
         [name, *(str(sum(one[item] != other[item] for item in one)) for other in verdicts.values())]
         for name, one in verdicts.items()
@@ -85,7 +86,7 @@ def shipped_tables(agents: Sequence[str] = ()) -> list[str]:
     return [
         *("# Scenarios", "", f"Printed by `{' '.join([_COMMAND, *agents])}`.", "", *_COLUMNS.split("\n"), ""),
         *gate_table(check_all(load_scenarios())),
-        *("", "## Who is told apart", "", *_APART.split("\n"), ""),
+        *("", "## Which agents each item separates", "", *_APART.split("\n"), ""),
         *apart_table(verdicts),
     ]
 

@@ -1,7 +1,7 @@
-"""Drawn kitchens of a family: hypothesis looks for one that can be solved and that the agent fails, and shrinks it.
+"""Random kitchens of a family: hypothesis searches for one that can be solved and that the agent fails, and shrinks it.
 
-What is drawn is where A stands and what it holds, what the pots hold and what lies on the counters. What B does, where
-it begins and what is asked stay as one of the family's scenarios has them.
+A's cell and hands, the content of the pots and the objects on the counters are random. B's behaviour, B's start and the
+condition are those of one of the family's scenarios.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,18 +24,18 @@ if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
 
 LONGEST: Final = 30
-"""Steps of a shortest solution; what takes more is left out, since to find that out takes long."""
+"""Longest shortest solution, in steps; kitchens that take more are left out, as solving them takes long."""
 
 MOST_CLUTTER: Final = 3
-"""Things that are laid on counters besides what the scenario needs."""
+"""Objects put on counters besides those that the scenario needs."""
 
 
 class Search(NamedTuple):
-    """What came of looking for a kitchen that is failed.
+    """The result of a search for a kitchen that the agent fails.
 
     Attributes:
         tried: Kitchens that can be solved and were played.
-        failure: What came of the smallest one that was failed; None where there was none.
+        failure: The result of the smallest one that the agent failed; None if it failed none.
     """
 
     tried: int
@@ -43,12 +43,12 @@ class Search(NamedTuple):
 
 
 def search_failure(scenarios: Sequence[Scenario], play: Callable[[list[Item]], list[ItemResult]], most: int) -> Search:
-    """Looks for the smallest kitchen of a family that is failed; the same kitchens every time.
+    """Searches for the smallest kitchen of a family that the agent fails; tries the same kitchens every time.
 
     Args:
-        scenarios: The family's, without a history.
+        scenarios: The family's scenarios without `before`.
         play: Plays items with the tested agent.
-        most: How many kitchens that can be solved.
+        most: How many solvable kitchens to try.
 
     Raises:
         ScenarioFault: The agent broke the contract.
@@ -78,7 +78,7 @@ def search_failure(scenarios: Sequence[Scenario], play: Callable[[list[Item]], l
 
 
 def _situations(scenarios: Sequence[Scenario]) -> "SearchStrategy[Situation]":
-    """Gives situations; what comes first in a list of choices is what shrinking ends at."""
+    """Returns a strategy of situations; shrinking ends at the first of each list of choices."""
     from hypothesis import strategies as st
 
     @st.composite
@@ -107,7 +107,7 @@ def _situations(scenarios: Sequence[Scenario]) -> "SearchStrategy[Situation]":
 
 
 def _item(drawn: Situation) -> Item | None:
-    """Makes an item of a situation, with its budget; None where it cannot be solved or solves itself."""
+    """Makes an item of a situation, with its budget; None if it cannot be solved or solves itself."""
     try:
         solution = solve(drawn, LONGEST)
     except ScenarioError:  # too many states
@@ -122,14 +122,14 @@ def _item(drawn: Situation) -> Item | None:
 
 
 def _cells(scenario: Scenario) -> list[Position]:
-    """Lists the cells of A's part of the kitchen, the drawn one first."""
+    """Lists the cells of A's part of the kitchen, the one in the picture first."""
     regions, (first, second) = scenario.layout.regions, scenario.state.chefs
     here = [cell for cell in regions if regions[cell] == regions[first.position] and cell != second.position]
     return sorted(here, key=lambda cell: (cell != first.position, cell[1], cell[0]))
 
 
 def _fillings(layout: Layout, given: Thing | None, cooking: str) -> list[Thing | None]:
-    """Lists what a pot may hold: nothing, as it was drawn, some onions, a finished soup."""
+    """Lists what a pot may hold: nothing, its content in the scenario, some onions, a finished soup."""
     most = MAX_INGREDIENTS - (cooking == "auto")
     return _unique(None, given, *(Soup((onions, 0)) for onions in range(1, most + 1)), finished_soup(layout))
 

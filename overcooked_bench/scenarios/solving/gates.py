@@ -1,4 +1,4 @@
-"""What a scenario has to stand before it is merged: solvable, fair, and not to be had for nothing."""
+"""Acceptance checks of scenarios: solvable, fair and non-trivial."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -30,23 +30,23 @@ if TYPE_CHECKING:
     from overcooked_bench.agents.agent import Agent
 
 MOST_RANDOM: Final = 0.35
-"""How often a uniformly random player may pass."""
+"""Greatest pass rate of a uniformly random player."""
 
 MEAN_RANDOM: Final = 0.03
-"""How often it may pass on average over a suite."""
+"""Its greatest average pass rate over a suite."""
 
 HONEST: Final = 0.95
-"""How often the honest planner has to pass."""
+"""Least pass rate of the honest planner."""
 
 LOOSEST: Final = 4
-"""How many times the shortest solution a budget may be."""
+"""Greatest budget, as a multiple of the shortest solution."""
 
 RANDOM_RUNS: Final = 400
 SITUATIONS: Final = 4
-"""Both seats, and both mirrors."""
+"""Both seats, plain and mirrored."""
 
 SANITY: Final = "sanity"
-"""The tag of what both rigid cooks pass."""
+"""The tag of scenarios that both rigid cooks pass."""
 
 _SCRIPTED: Final = ("greedy", "onion_courier", "dish_courier")
 _COOKS: Final = {
@@ -70,24 +70,24 @@ PLAYERS: Final[Mapping[str, AgentFactory]] = {
     **{name: _scripted(name) for name in _SCRIPTED},
     **{name: _cook(name) for name in _COOKS},
 }
-"""Who ships and plays every kitchen: the scripted agents, and two rigid cooks that do all the work themselves, never
-put anything down, and walk on as if B were air ("push") or round it ("wait")."""
+"""Agents that ship and play every kitchen: the scripted agents, and two rigid cooks that do all the work themselves,
+never put anything down, and walk as if B were not there ("push") or around B ("wait")."""
 
 
 @dataclass(frozen=True, eq=False)
 class GateReport:
-    """What came of the gates for one scenario.
+    """The result of the acceptance checks for one scenario.
 
     Attributes:
         scenario: The scenario.
-        faults: What is wrong, each in a sentence; empty where it may be merged.
-        entry: Its shortest solutions, None where it has none.
+        faults: Failed checks, one sentence each; empty if it may be merged.
+        entry: Its shortest solutions, None if it has none.
         random: The pass rate of a uniformly random player, the highest of the four situations.
-        mean_random: The same, their mean.
-        stay: Situations of the four that are passed by doing nothing.
-        players: For each of `PLAYERS` the situations of the four that it passes.
-        honest: Situations of the four that the honest planner passes.
-        notes: What might be better, and does not keep it from being merged.
+        mean_random: The mean of these pass rates.
+        stay: Number of situations, of four, that doing nothing passes.
+        players: Number of situations, of four, that each of `PLAYERS` passes.
+        honest: Number of situations, of four, that the honest planner passes.
+        notes: Suggestions that do not keep it from being merged.
     """
 
     scenario: Scenario
@@ -102,7 +102,7 @@ class GateReport:
 
     @property
     def mergeable(self) -> bool:
-        """Whether all gates hold."""
+        """Whether it passes all checks."""
         return not self.faults
 
     @property
@@ -117,7 +117,7 @@ class GateReport:
 
 
 def check(scenario: Scenario) -> GateReport:
-    """Puts one scenario to the gates, with a lock file beside it or without; `check_all` is for pairs."""
+    """Checks one scenario, with or without a lock file in its folder; `check_all` is for pairs."""
     return check_all([scenario])[0]
 
 
@@ -126,12 +126,12 @@ def check_all(
     random_runs: int = RANDOM_RUNS,
     on_progress: Callable[[int, int], None] = lambda *_: None,
 ) -> list[GateReport]:
-    """Puts scenarios to the gates, pairs to those of pairs as well.
+    """Checks scenarios, and pairs for what pairs must satisfy as well.
 
     Args:
         scenarios: With both halves of each pair.
         random_runs: Runs of the random player in each situation.
-        on_progress: Called with the scenarios that are through, and of how many.
+        on_progress: Called with the number of scenarios that are done, and the total.
 
     Returns:
         A report for each, in their order.
@@ -152,7 +152,7 @@ def check_all(
 
 
 def _alone(scenario: Scenario, random_runs: int) -> GateReport:
-    """Does all that concerns one scenario by itself."""
+    """Runs the checks that concern one scenario alone."""
     known = read_lock(lock_path(scenario)).entry(scenario)
     try:
         entry = solve_scenario(scenario) if known else entry_of(scenario)
@@ -160,7 +160,7 @@ def _alone(scenario: Scenario, random_runs: int) -> GateReport:
         return GateReport(scenario, (str(error),))
     faults = []
     if known and known != entry:
-        faults.append(f"{LOCK_FILE} does not say what a search finds; write it anew")
+        faults.append(f"{LOCK_FILE} does not agree with the search; regenerate it")
     if entry.budget > LOOSEST * entry.steps:
         faults.append(f"the budget is {entry.budget} steps for a solution of {entry.steps}; ask for less or give less")
     each = situations(scenario)
@@ -168,7 +168,9 @@ def _alone(scenario: Scenario, random_runs: int) -> GateReport:
         witness = entry.witnesses[key]
         runs = [judge(situation, witness.steps, witness.own) for _ in range(2)]
         if not runs[0].passed or runs[0].actions != runs[1].actions:
-            faults.append(f"the shortest solution does not pass in the kitchen from {key}, or not twice alike")
+            faults.append(
+                f"the shortest solution does not pass in the kitchen from {key}, or differs when it is repeated"
+            )
     played = {situation.id: Item(situation.id, (situation,), scenario.family, ()) for situation in each.values()}
     random = _rates(_scripted("random"), played.values(), random_runs)
     stay = sum(_rates(_scripted("stay"), played.values(), 1))
@@ -194,7 +196,7 @@ def _rates(make: AgentFactory, played: Iterable[Item], repeats: int) -> list[flo
 
 
 def _of_group(group: Sequence[GateReport]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Gives faults and notes of a scenario that stands alone, or of a pair."""
+    """Returns faults and notes of a scenario that is not in a pair, or of a pair."""
     first, faults, notes = group[0].scenario, [], []
     if any(report.entry is None for report in group):
         return (), ()
@@ -206,10 +208,10 @@ def _of_group(group: Sequence[GateReport]) -> tuple[tuple[str, ...], tuple[str, 
         faults.append("one scenario alone never asks for memory; write a pair, or choose another category")
     passes = {name: all(report.players[name] == SITUATIONS for report in group) for name in PLAYERS}
     if all(passes.values()):
-        faults.append(f"{', '.join(PLAYERS)} all pass; ask for something that tells agents apart")
+        faults.append(f"{', '.join(PLAYERS)} all pass; ask for something that separates agents")
     rigid = all(passes[name] for name in _COOKS)
     if rigid and SANITY not in first.tags:
-        notes.append(f"both rigid cooks pass, so it tells little: `tags: [{SANITY}]`, or ask for more")
+        notes.append(f"both rigid cooks pass, so it says little: `tags: [{SANITY}]`, or ask for more")
     if not rigid and SANITY in first.tags:
         faults.append(f"the tag {SANITY} is for what both rigid cooks pass, and they do not; take it out")
     return tuple(faults), tuple(notes)

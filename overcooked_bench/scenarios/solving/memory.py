@@ -1,9 +1,9 @@
-"""Whether a pair asks for memory: what one can pass who does not know what was before.
+"""Checks that a pair requires memory: that no agent passes both without knowing what happened before.
 
-Two worlds look the same when the agent is asked for the first time, and differ in what their partners will do. While
-they go on looking the same, whoever ignores the past does the same in both. Here it may even know the world from the
-first difference on, and do its very best: where that does not pass both, no policy on the observation does, and one
-that draws its actions passes one of the two in half of its runs at most.
+Two worlds look the same when the agent is asked for the first time, and differ in what their partners will do. As long
+as they look the same, an agent that ignores the past does the same in both. The search even lets it know the world from
+the first difference on and act optimally: if that does not pass both, no policy of the observation does, and one
+that samples its actions passes one of the two in at most half of its runs.
 
 Axes: N states, R columns of a kitchen's row, K counters.
 """
@@ -28,8 +28,8 @@ class Unknowing(NamedTuple):
     """A way to reach both goals without knowing which world it is.
 
     Attributes:
-        actions: What is done while they look the same.
-        steps: The steps to each goal, these included.
+        actions: Actions while the worlds look the same.
+        steps: Steps to each goal, these actions included.
     """
 
     actions: tuple[int, ...]
@@ -37,15 +37,15 @@ class Unknowing(NamedTuple):
 
 
 def unknowing(first: "Situation", second: "Situation", budgets: tuple[int, int]) -> list[Unknowing]:
-    """Lists the best ways through two situations for one who does not know which one it is.
+    """Lists the best ways through two situations for an agent that does not know which one it is in.
 
     Args:
         first: A situation.
         second: Another one from the same seat, in which the kitchen looks the same after `before`.
-        budgets: Steps in each.
+        budgets: Steps in each situation.
 
     Returns:
-        The ways of which no other one is as short in both worlds. Where there is none, it takes memory to pass both.
+        The ways for which no other is as short in both worlds. If there is none, passing both requires memory.
 
     Raises:
         ValueError: They do not look the same.
@@ -68,10 +68,10 @@ def unknowing(first: "Situation", second: "Situation", budgets: tuple[int, int])
 
 
 class _Parting(NamedTuple):
-    """Where two worlds look different for the first time, or one of them is over.
+    """The states in which two worlds first look different, or in which one of them is over.
 
     Attributes:
-        sources: (N,) the state of the layer before and the action that led there, as state * 6 + action.
+        sources: (N,) the state of the previous layer and the action that led here, as state * 6 + action.
         states: The states in each world.
     """
 
@@ -80,7 +80,7 @@ class _Parting(NamedTuple):
 
 
 def _walk_together(worlds: "list[_World]") -> tuple[list[NDArray[np.int64]], list[_Parting]]:
-    """Does in both worlds whatever can be done while they look the same.
+    """Explores all actions in both worlds as long as they look the same.
 
     Returns:
         For each step the states that still look the same after it, as state * 6 + action; and the partings at each
@@ -126,7 +126,7 @@ class _World(Search):
         self._asked = _Answers(self._partner, self._layout, self._tables, 1 - self._seat, self._scratch)
 
     def children(self, states: _States, t: int) -> _States:
-        """Gives what comes of all six actions in N states: N x 6 states."""
+        """Returns the states after each of the six actions in N states: N x 6 states."""
         rows, counts = states
         parts = [
             self._spread(rows[k : k + _TOGETHER], counts[k : k + _TOGETHER], t)
@@ -140,11 +140,11 @@ class _World(Search):
         return after, self.count(before, after, np.repeat(counts, NUM_ACTIONS, axis=0), joint)
 
     def keys(self, states: _States, t: int) -> list[bytes]:
-        """Gives what tells states apart, with what the partner makes of the time."""
+        """Returns keys that distinguish states, including the partner's phase."""
         return self._keys(*states, self._partner.phase(t))
 
     def needed(self, sources: list[_States]) -> list[NDArray[np.int64]]:
-        """Gives the fewest steps to the goal from given states, far too many where it is out of reach.
+        """Returns the fewest steps to the goal from given states, a very large number if it cannot be reached.
 
         Args:
             sources: The states of time 0, 1, ...
@@ -175,7 +175,7 @@ class _World(Search):
 
 
 def _first_of(numbers: list[int], first: int) -> NDArray[np.int64]:
-    """Gives where each number from `first` on stands for the first time."""
+    """Returns the first position of each number from `first` on."""
     places: list[int] = []
     for place, number in enumerate(numbers):
         if number == first + len(places):
@@ -192,7 +192,7 @@ def _take(states: _States, which: NDArray[np.int64]) -> _States:
 
 
 def _trace(layers: list[NDArray[np.int64]], source: int) -> tuple[int, ...]:
-    """Goes back from a state x 6 + action to the start."""
+    """Traces the actions from a state x 6 + action back to the start."""
     actions = [source % NUM_ACTIONS]
     for layer in reversed(layers):
         source = int(layer[source // NUM_ACTIONS])

@@ -1,6 +1,6 @@
-"""An honest planner: it knows what is asked for, and of its partner nothing but the past.
+"""An honest planner: it knows the goal, and of its partner only the past actions.
 
-Where the solver passes and this one fails, a scenario asks for mind-reading.
+If the solver passes a scenario and this planner fails, the scenario requires mind-reading.
 """
 
 from collections import deque
@@ -34,7 +34,7 @@ _ROUND: Final = 2  # steps after which a partner is thought to do the same again
 
 
 class Play(NamedTuple):
-    """How the honest planner did.
+    """The honest planner's result.
 
     Attributes:
         passed: Whether the goal was reached within the budget.
@@ -46,7 +46,7 @@ class Play(NamedTuple):
 
 
 def play_honestly(situation: "Situation", budget: int) -> Play:
-    """Plays a situation without knowing what its partner will do.
+    """Plays a situation without knowing the partner's behaviour.
 
     Args:
         situation: A scenario from one seat.
@@ -71,17 +71,17 @@ def play_honestly(situation: "Situation", budget: int) -> Play:
 
 
 class Oracle:
-    """Plans anew whenever its partner does something else than it was thought to do.
+    """Plans again whenever its partner deviates from the prediction.
 
-    It keeps a list of things that partners do, and holds the one for true that has explained the partner's past for the
-    longest time, up to now; the simplest among equals; and, where the goal cannot be reached so, the next one.
+    It keeps a list of behaviours, and predicts with the one that has explained the partner's past for the longest time
+    up to now, the simplest one in a tie; if the goal cannot be reached that way, with the next one.
 
     Args:
         layout: The kitchen's.
-        search: For the goal.
-        seat: Chef A's.
+        search: The search for the goal.
+        seat: Chef A's seat.
         accept: What has to hold.
-        used: Counters with things on them at the start.
+        used: Counters with objects on them at the start.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class Oracle:
         self._plan: deque[tuple[int, NDArray[np.uint16]]] = deque()
 
     def watch(self, before: NDArray[np.uint16], own: int, after: NDArray[np.uint16]) -> None:
-        """Notes what the partner did.
+        """Records what the partner did.
 
         Args:
             before: The kitchen's row.
@@ -124,8 +124,8 @@ class Oracle:
         """Chooses an action.
 
         Args:
-            row: The kitchen's.
-            counts: What happened so far.
+            row: The kitchen's row.
+            counts: What has happened so far.
             left: Steps until the end.
         """
         if not (self._plan and np.array_equal(self._plan[0][1], row)):
@@ -169,11 +169,11 @@ class Oracle:
 
 
 def guesses(layout: Layout, used: Collection[Position]) -> tuple[Behaviour, ...]:
-    """Lists what a partner may be doing that one knows nothing of, the simplest first.
+    """Lists what an unknown partner may be doing, the simplest first.
 
     Args:
         layout: The kitchen's.
-        used: Counters with things on them; things may also be passed over those that have floor on two sides.
+        used: Counters with objects on them; objects may also be passed over counters with floor on two sides.
     """
     floor = set(layout.positions(" "))
     sides = {(x, y): sum((x + dx, y + dy) in floor for dx, dy in DIRECTIONS) for x, y in layout.positions("X")}
@@ -193,7 +193,7 @@ def guesses(layout: Layout, used: Collection[Position]) -> tuple[Behaviour, ...]
 
 
 def _alone(accept: Condition) -> bool:
-    """Tells whether the goal may be reached while the partner stands still."""
+    """Returns whether the goal can be reached while the partner stands still."""
     if isinstance(accept, Either):
         return any(_alone(condition) for condition in accept.conditions)
     return not any(

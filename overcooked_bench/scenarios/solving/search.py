@@ -1,4 +1,4 @@
-"""Breadth-first search over both chefs' joint state, with a partner whose answer to every state is known.
+"""Breadth-first search over both chefs' joint state, with a partner whose action in every state is known.
 
 Axes: N states of one layer, K counters, R columns of a kitchen's row.
 """
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from overcooked_bench.agents.behaviours.behaviour import Behaviour
 
 ENDLESS: Final = 1 << 40
-"""A horizon that no search reaches: how long a scenario lasts is the caller's matter."""
+"""A horizon that no search reaches: the caller limits a scenario's length."""
 
 MOST_STATES: Final = 1 << 20
 """States after which a search is given up; about five seconds and 400 MB."""
@@ -38,8 +38,8 @@ class Found(NamedTuple):
     """A shortest way to make a condition true.
 
     Attributes:
-        actions: Chef A's, one a step.
-        partner: Chef B's.
+        actions: Chef A's actions, one per step.
+        partner: Chef B's actions.
     """
 
     actions: tuple[int, ...]
@@ -56,10 +56,10 @@ class Search:
     Args:
         layout: The kitchen's.
         cooking: "auto" or "manual".
-        seat: Chef A's.
+        seat: Chef A's seat.
         accept: What has to hold at some step.
         never: What must not hold before, nor then.
-        limits: What the two count -> a count that is as good as any greater one.
+        limits: Each counter of the two -> a count that is equivalent to any greater one.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class Search:
         self._answers: dict[Behaviour, _Answers] = {}
 
     def row(self, state: KitchenState) -> _Rows:
-        """Gives a state as a kitchen's row, (R,)."""
+        """Returns a state as a kitchen's row, (R,)."""
         write_state(self._scratch, self._tables, self._layout, 0, state, ENDLESS)
         row: _Rows = self._scratch.rows[0].copy()
         return row
@@ -97,7 +97,7 @@ class Search:
 
         Args:
             row: (R,)
-            counts: (K,) as far as they matter.
+            counts: (K,) up to their limits.
             actions: In the order of the seats.
 
         Returns:
@@ -113,11 +113,11 @@ class Search:
         return partner.act(self._layout, state, 1 - self._seat, t)
 
     def no_counts(self) -> _Rows:
-        """Gives the counts of a start, (K,)."""
+        """Returns the counts of a start, (K,)."""
         return np.zeros(len(self._counters), np.uint16)
 
     def judge(self, rows: _Rows, counts: _Rows) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Tells in which of N states the goal is reached, and in which it is out of reach for good."""
+        """Returns (N,) whether the goal is reached in each state, and (N,) whether it can never be reached from it."""
         each = {counter: counts[:, k].astype(np.int64) for k, counter in enumerate(self._counters)}
         moment = Moment(self._layout, rows, self._seat, each)
         lost = np.zeros(len(rows), np.bool_) if self._never is None else self._never.value(moment)
@@ -137,19 +137,19 @@ class Search:
 
         Args:
             row: The state to start from, (R,).
-            counts: What happened before, (K,).
-            partner: What chef B does.
+            counts: What has happened before, (K,).
+            partner: Chef B's behaviour.
             t: The partner's time.
             limit: Steps within which to reach the goal.
             most: States after which to give up.
-            clutter: Things on counters, more than there are now, above which to look no further; the way that is found
-                may then be longer than the shortest one, and there may be one where none is found.
+            clutter: Limit on further objects on counters; with it the way that is found may be longer than the
+                shortest one, and a way may exist although none is found.
 
         Returns:
-            The way, or None where there is none.
+            The way, or None if there is none.
 
         Raises:
-            TooManyStates: It was given up.
+            TooManyStates: The search was given up.
         """
         rows, counted = row[None], counts[None]
         reached, lost = self.judge(rows, counted)
@@ -208,7 +208,7 @@ class Search:
         return *_joined(kept), -1
 
     def count(self, before: _Rows, after: _Rows, counts: _Rows, actions: NDArray[np.int64]) -> _Rows:
-        """Adds what a step brought.
+        """Adds the events of a step to the counts.
 
         Args:
             before: (N, R)
@@ -217,7 +217,7 @@ class Search:
             actions: (N, 2) joint actions.
 
         Returns:
-            (N, K), no more than matters.
+            (N, K), up to their limits.
         """
         if not self._counters:
             return counts
@@ -226,13 +226,13 @@ class Search:
         return np.minimum(counts + brought.astype(np.uint16), self._limits)
 
     def _things(self, rows: _Rows) -> NDArray[np.int64]:
-        """Counts the things that lie on counters, (N,)."""
+        """Counts the objects on counters, (N,)."""
         cells = rows[:, CELLS:][:, self._places]
         counted: NDArray[np.int64] = np.sum(cells != COUNTER, axis=1, dtype=np.int64)
         return counted
 
     def _keys(self, rows: _Rows, counts: _Rows, phase: int) -> list[bytes]:
-        """Gives what tells the states of N kitchens at one time from all others."""
+        """Returns keys that distinguish the states of N kitchens at one time."""
         marks = len(self._changing) + len(self._counters)
         told = np.empty((len(rows), marks + 2), self._small)
         told[:, : len(self._changing)] = rows[:, self._changing]
@@ -251,7 +251,7 @@ class _Desk:
         self._cells = len(tables.fresh)
 
     def step(self, rows: _Rows, actions: NDArray[np.int64]) -> _Rows:
-        """Gives (N, R) what comes of (N, R) kitchens by (N, 2) joint actions."""
+        """Returns (N, R) what comes of (N, R) kitchens by (N, 2) joint actions."""
         n, after = len(rows), rows.copy()
         if n > self._room:
             self._room = n
@@ -268,7 +268,7 @@ class _Desk:
 
 
 class _Answers:
-    """What a partner does in each state of a layer; asked once for all states that look the same to it."""
+    """A partner's actions in each state of a layer; it is asked once for all states that look the same to it."""
 
     def __init__(self, partner: "Behaviour", layout: Layout, tables: Tables, seat: int, scratch: Batch) -> None:
         self._partner, self._layout, self._tables, self._seat, self._scratch = partner, layout, tables, seat, scratch
@@ -281,7 +281,7 @@ class _Answers:
         self._known: dict[tuple[int, bytes], int] = {}
 
     def joint(self, rows: _Rows, seat: int, t: int) -> NDArray[np.int64]:
-        """Gives (N x 6, 2) joint actions: each of chef A's six with the partner's answer, in the order of the seats."""
+        """Returns (N x 6, 2) joint actions: each of chef A's six with the partner's, in the order of the seats."""
         looks = np.ascontiguousarray(rows[:, self._columns])
         phase = self._partner.phase(t)
         keys = looks.view(f"V{2 * looks.shape[1]}").ravel().tolist()
@@ -305,7 +305,7 @@ def _joined(
 
 
 def _trace(layers: list[tuple[NDArray[np.int64], NDArray[np.int64]]], number: int, seat: int) -> Found:
-    """Goes back from a state of the last layer to the start."""
+    """Traces the actions from a state of the last layer back to the start."""
     played = []
     for sources, joint in reversed(layers):
         played.append(joint[number])

@@ -1,4 +1,4 @@
-"""The exact shortest solution of a scenario, against the partner that the scenario really has."""
+"""Finds the exact shortest solution of a scenario, with the partner that the scenario has."""
 
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -17,7 +17,7 @@ class Solution(NamedTuple):
 
     Attributes:
         steps: T*.
-        actions: Chef A's actions, T* of them: played against the scenario's partner they pass.
+        actions: Chef A's T* actions, which pass with the scenario's partner.
     """
 
     steps: int
@@ -29,10 +29,10 @@ def solve(situation: "Situation", limit: int | None = None) -> Solution | None:
 
     Args:
         situation: A scenario from one seat.
-        limit: Steps; by default the scenario's own budget, or `LONGEST` where it has none.
+        limit: Steps; by default the scenario's own budget, or `LONGEST` if it has none.
 
     Returns:
-        The solution, or None where there is none within the limit.
+        The solution, or None if there is none within the limit.
 
     Raises:
         ScenarioError: The search was given up before anything was known.
@@ -47,7 +47,7 @@ def solve(situation: "Situation", limit: int | None = None) -> Solution | None:
         found = search.run(row, counts, situation.behaviour, 0, limit, MOST_STATES)
     except TooManyStates as error:
         raise ScenarioError(
-            f"{situation.scenario.source}: {situation.id}: {error}; look whether `accept` and `never` exclude each "
+            f"{situation.scenario.source}: {situation.id}: {error}; check whether `accept` and `never` exclude each "
             "other, give a smaller budget, or ask for less"
         ) from None
     return None if found is None else Solution(len(found.actions), found.actions)

@@ -109,7 +109,7 @@ def test_every_item_says_what_was_wrong_and_how_to_see_it_again(kitchens, capsys
             "  `A.pot >= 1` never held",
             "step 0            step 1            step 2            step 3",
             "<O>   A^o   <O>*",
-            "play it again: overcooked-bench scenarios run T02-pot.scenario.yaml * --seat 1 --mirrored --repeat *",
+            "replay it: overcooked-bench scenarios run T02-pot.scenario.yaml * --seat 1 --mirrored --repeat *",
             "*= cooperation scenarios: mine.py:half, mode sample, 20 repeats =*",
             "category    passed  of *",
             "state            0   4 *",
@@ -139,7 +139,7 @@ def test_every_item_says_what_was_wrong_and_how_to_see_it_again(kitchens, capsys
         "K": "3",
     }
 
-    (command,) = (line for line in done.outlines if re.match("play it again: .* T02.* --seat 1 --repeat", line))
+    (command,) = (line for line in done.outlines if re.match("replay it: .* T02.* --seat 1 --repeat", line))
     words = shlex.split(command.partition("overcooked-bench ")[2])
     assert int(words[-1]) == half["failure"]["repeat"]
     capsys.readouterr()
@@ -324,7 +324,7 @@ def test_drawn_kitchens_are_shrunk_to_the_smallest_that_is_failed(kitchens):
     smallest = shown.partition("the smallest kitchen, as a scenario:\n\n")[2].partition("\n\n")[0]
     (kitchens.path / "T02-drawn.scenario.yaml").write_text(smallest.partition("=====")[0])
     assert "pots" not in smallest
-    assert "play it again" not in shown
+    assert "replay it" not in shown
     again = run(kitchens, "--agent", "mine.py", *chosen).stdout.str()
     assert smallest in again
     done = run(kitchens, "--agent", "mine.py", "T02-drawn.scenario.yaml", "-k", "seat0 and not mirrored")
