@@ -16,6 +16,11 @@ Position = tuple[int, int]
 NUM_ACTIONS: Final = 6
 NORTH, SOUTH, EAST, WEST, STAY, INTERACT = range(NUM_ACTIONS)
 ACTION_NAMES: Final = ("north", "south", "east", "west", "stay", "interact")
+"""Actions 0 to 5 in Python; the first four are directions too."""
+PICTURE_NAMES: Final = ("up", "down", "right", "left", "stay", "interact")
+"""The same in files and pictures, where a kitchen is seen from above."""
+ACTION_LETTERS: Final = "UDRLSI"
+"""The same as one letter each."""
 DIRECTIONS: Final[tuple[Position, ...]] = ((0, -1), (0, 1), (1, 0), (-1, 0))
 
 RECIPES: Final[tuple[Recipe, ...]] = (

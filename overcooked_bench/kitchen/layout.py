@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from overcooked_bench.documents import LONGEST, parse_yaml
 from overcooked_bench.errors import WrongUse
-from overcooked_bench.files import read_text
+from overcooked_bench.files import read_text, shown
 from overcooked_bench.kitchen.codes import DIRECTIONS, MAX_INGREDIENTS, RECIPES, TILE_NAMES, TILES, Position, Recipe
 from overcooked_bench.shelf import Shelf, guess
 
@@ -162,6 +162,18 @@ class Layout:
         content = read_text(file, LONGEST, raises=LayoutError)
         layout = cls._from_file(content, str(file), text if text in layout_names() else None)
         return layout.mirrored() if turns % 2 else layout
+
+    @classmethod
+    def named(cls, text: str) -> "Layout":
+        """Loads a layout that a file names: a shipped name, its mirror image or a grid's text, never a path.
+
+        Raises:
+            LayoutError: It is none of them, or the grid is not legal.
+        """
+        names = layout_names()
+        if "\n" not in text and text.removesuffix(MIRRORED) not in names:
+            raise LayoutError(f"no layout named {shown(text)!r}; {guess(text, names)}Shipped are {', '.join(names)}")
+        return cls.load(text)
 
     @classmethod
     def _from_file(cls, text: str, where: str, name: str | None) -> "Layout":

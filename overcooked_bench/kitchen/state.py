@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from overcooked_bench.kitchen.codes import DIRECTIONS, MAX_INGREDIENTS, Position, Recipe
+from overcooked_bench.kitchen.codes import ACTION_NAMES, DIRECTIONS, MAX_INGREDIENTS, Position, Recipe
 
-FACINGS = ("north", "south", "east", "west")
+FACINGS = ACTION_NAMES[: len(DIRECTIONS)]
 
 
 @dataclass(frozen=True)

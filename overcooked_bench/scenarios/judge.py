@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from overcooked_bench.kitchen.codes import STAY
+from overcooked_bench.kitchen.codes import PICTURE_NAMES, STAY
 from overcooked_bench.kitchen.state import KitchenState
 from overcooked_bench.scenarios.language.terms import Condition, Either
 from overcooked_bench.scenarios.scenario import Situation
@@ -71,7 +71,8 @@ class Run(NamedTuple):
             caption = [f"step {time}" if time >= 0 else f"{-time} before", "", ""]
             if number < len(self.actions):
                 joint = self.actions[number]
-                caption[1:] = f"A {_NAMES[joint[situation.seat]]}", f"B {_NAMES[joint[situation.partner_seat]]}"
+                seats = {"A": situation.seat, "B": situation.partner_seat}
+                caption[1:] = [f"{name} {_does(joint[seat])}" for name, seat in seats.items()]
             picture = film(situation.layout, state, colour=colour, legend=False, names=names)
             frames.append("\n".join([*caption, picture]))
         return side_by_side(frames, width)
@@ -87,7 +88,9 @@ class Run(NamedTuple):
         return "\n".join(lines + [f"  {truth}" for truth in self.accept])
 
 
-_NAMES = ("up", "down", "right", "left", "stays", "interacts")
+def _does(action: int) -> str:
+    """Returns "up" or "stays"."""
+    return PICTURE_NAMES[action] + "s" * (action >= STAY)
 
 
 def judge(situation: Situation, budget: int, own: Sequence[int]) -> Run:

@@ -13,9 +13,6 @@ from overcooked_bench.scenarios.language.terms import Condition
 if TYPE_CHECKING:
     from overcooked_bench.agents.behaviours.behaviour import Behaviour
 
-ACTIONS: Final = ("up", "down", "right", "left", "stay", "interact")
-"""Names of the actions 0 to 5 in scenario files."""
-
 SEATS: Final = (0, 1)
 HORIZON: Final = 400
 """Steps of an episode; a scenario of the category `horizon` starts `budget` steps before its end, others at step 0."""

@@ -101,7 +101,7 @@ def test_a_file_and_a_folder(submit, tmp_path):
         ("gredy", "did you mean 'greedy'"),
         ("no-such-thing", "no agent named 'no-such-thing'"),
         ("missing.py", r"missing\.py: no such file"),
-        ("missing.safetensors", r"missing\.json: no such file"),
+        ("missing.safetensors", r"missing\.json: cannot be read \(no such file"),
         ("no/such/pool/cramped_room/sp-0", "no agent named"),
     ],
     ids=["typo", "unknown", "no-file", "no-policy", "no-pool"],

@@ -9,13 +9,13 @@ from overcooked_bench.agents.behaviours.jobs import Finder, Job, Pace, carry, du
 from overcooked_bench.agents.behaviours.timed import FROZEN, Loop, Noisy, Script, Switch
 from overcooked_bench.agents.behaviours.walking import Manner
 from overcooked_bench.documents import parse_yaml
-from overcooked_bench.kitchen.codes import ACTION_NAMES, Position
+from overcooked_bench.kitchen.codes import ACTION_NAMES, PICTURE_NAMES, Position
 from overcooked_bench.shelf import guess
 
 VERSION: Final = 1
 """Of what the behaviours do; it goes up when one acts differently, since results against it compare no more then."""
 
-MOVES: Final = {"up": 0, "down": 1, "right": 2, "left": 3} | {name: k for k, name in enumerate(ACTION_NAMES)}
+MOVES: Final = {name: k for names in (PICTURE_NAMES, ACTION_NAMES) for k, name in enumerate(names)}
 """Actions by name, in words of the picture and in those of the compass."""
 
 TIMED: Final = ("from", "until", "then", "noisy")
@@ -191,9 +191,7 @@ def parse_actions(value: Any, at: str = "") -> tuple[int, ...]:
     for word in value:
         name, star, times = str(word).partition("*")
         if name not in MOVES or (star and not (times.isdecimal() and 0 < int(times) < 1000)):
-            raise ValueError(
-                f"{at}{word!r} is no action; {guess(name, MOVES)}write up, down, left, right, stay, interact"
-            )
+            raise ValueError(f"{at}{word!r} is no action; {guess(name, MOVES)}write {', '.join(PICTURE_NAMES)}")
         actions += [MOVES[name]] * (int(times) if star else 1)
     return tuple(actions)
 

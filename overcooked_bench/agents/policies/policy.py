@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.agents.policies.architectures import ARCHITECTURES, Architecture, Cnn, Mlp
+from overcooked_bench.documents import parse_json
 from overcooked_bench.errors import WrongUse
-from overcooked_bench.files import write_whole
+from overcooked_bench.files import FileError, read_regular, write_whole
 from overcooked_bench.kitchen.layout import Layout, LayoutError
 
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
 MOST_WEIGHTS: Final = 100_000_000
 WEIGHTS_SUFFIX, ARCHITECTURE_SUFFIX = ".safetensors", ".json"
 _HEADER_ROOM: Final = 1_000_000  # bytes of a weights file besides the weights
+_MOST_JSON: Final = 1_000_000  # bytes of an architecture
 
 
 class PolicyError(WrongUse):
@@ -125,11 +127,7 @@ def load_policy(path: str | Path) -> Policy:
 
     files = policy_files(path)
     architecture = _read_architecture(files.architecture)
-    if files.weights.is_file():  # before reading, so that no file makes us fill the memory
-        expected = 4 * _count(architecture) + _HEADER_ROOM
-        if files.weights.stat().st_size > expected:
-            raise PolicyError(f"{files.weights}: larger than the {expected} bytes that its architecture can need")
-    data = _read(files.weights)
+    data = _read(files.weights, 4 * _count(architecture) + _HEADER_ROOM)
     try:
         tensors = load(data)
     except (SafetensorError, ValueError, KeyError, TypeError) as error:
@@ -141,10 +139,7 @@ def load_policy(path: str | Path) -> Policy:
 
 def _read_architecture(file: Path) -> Architecture:
     remedy = "write it with save_policy"
-    try:
-        raw = msgspec.json.decode(_read(file))
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise PolicyError(f"{file}: not JSON ({error}); {remedy}") from None
+    raw = parse_json(_read(file, _MOST_JSON), str(file), Any, PolicyError)
     named = raw.get("architecture") if isinstance(raw, dict) else None
     if not isinstance(named, str) or named not in ARCHITECTURES:
         known = ", ".join(map(repr, ARCHITECTURES))
@@ -163,7 +158,7 @@ def _check_architecture(architecture: Architecture, file: Path) -> None:
     if _count(architecture) > MOST_WEIGHTS:
         raise PolicyError(f"{file}: {_count(architecture)} weights; at most {MOST_WEIGHTS} are supported")
     try:
-        layout = Layout.load(architecture.layout)
+        layout = Layout.named(architecture.layout)
     except LayoutError as error:
         raise PolicyError(f"{file}: the entry 'layout': {error}") from None
     name = architecture.observation
@@ -206,12 +201,9 @@ def _count(architecture: Architecture) -> int:
     return sum(prod(shape) for shape in architecture.tensor_shapes().values())
 
 
-def _read(file: Path) -> bytes:
+def _read(file: Path, most_bytes: int) -> bytes:
     try:
-        return file.read_bytes()
-    except FileNotFoundError:
-        raise PolicyError(
-            f"{file}: no such file; a policy is a pair <name>{WEIGHTS_SUFFIX} and <name>{ARCHITECTURE_SUFFIX}"
-        ) from None
-    except OSError as error:
-        raise PolicyError(f"{file}: cannot be read ({error.strerror})") from None
+        return read_regular(file, most_bytes)
+    except FileError as error:
+        pair = f"<name>{WEIGHTS_SUFFIX} and <name>{ARCHITECTURE_SUFFIX}"
+        raise PolicyError(f"{error}; a policy is a pair of regular files {pair}") from None

@@ -9,7 +9,7 @@ from overcooked_bench.agents.behaviours.behaviour import Behaviour
 from overcooked_bench.agents.behaviours.parsing import parse_actions, parse_behaviour
 from overcooked_bench.documents import LONGEST, Document, parse_yaml
 from overcooked_bench.files import read_text
-from overcooked_bench.kitchen.codes import MAX_INGREDIENTS, RECIPES, STAY, Position
+from overcooked_bench.kitchen.codes import MAX_INGREDIENTS, PICTURE_NAMES, RECIPES, STAY, Position
 from overcooked_bench.kitchen.layout import Layout, LayoutError
 from overcooked_bench.kitchen.state import FACINGS, Chef, KitchenState, Soup, Thing, row_major
 from overcooked_bench.scenarios import CATEGORIES
@@ -17,14 +17,14 @@ from overcooked_bench.scenarios.errors import ScenarioError
 from overcooked_bench.scenarios.language.picture import CHEFS, THINGS, PictureError, finished_soup, read_picture
 from overcooked_bench.scenarios.language.predicates import PredicateError, parse_any_of
 from overcooked_bench.scenarios.language.terms import Condition
-from overcooked_bench.scenarios.scenario import ACTIONS, Scenario
+from overcooked_bench.scenarios.scenario import Scenario
 from overcooked_bench.shelf import guess
 
 SUFFIX: Final = ".yaml"
 NEEDED: Final = ("id", "category", "layout", "kitchen", "A", "B", "accept", "why")
 KEYS: Final = (*NEEDED, "family", "tags", "cooking", "pots", "never", "budget", "before", "pair")
 CHEF_KEYS: Final = ("facing", "holds")
-FACING_NAMES: Final = dict(zip(ACTIONS[: len(FACINGS)], FACINGS, strict=True))
+FACING_NAMES: Final = dict(zip(PICTURE_NAMES, FACINGS, strict=False))
 COOKING: Final = ("auto", "manual")
 MOST_STEPS: Final = 200
 """The greatest budget, and the longest `before`."""
@@ -124,10 +124,8 @@ class _Reader:
 
     def layout(self) -> Layout:
         text = self.text("layout")
-        if "\n" not in text and not re.fullmatch(NAME, text):
-            raise self._document.error(("layout",), f"`layout` is {text!r}; write a shipped name, or a grid's rows")
         try:
-            layout = Layout.load(text)
+            layout = Layout.named(text)
         except LayoutError as error:
             raise self._document.error(("layout",), f"`layout`: {error}") from None
         return layout
@@ -153,10 +151,10 @@ class _Reader:
         if "facing" not in given:
             raise self._document.error((name,), f"`{name}` has no `facing`; write {' or '.join(FACING_NAMES)}")
         facing = given["facing"]
-        if facing not in FACING_NAMES:
+        if not isinstance(facing, str) or facing not in FACING_NAMES:
             raise self._document.error((name, "facing"), f"`facing` is {facing!r}; write {' or '.join(FACING_NAMES)}")
         holding = given.get("holds")
-        if "holds" in given and holding not in THINGS:
+        if "holds" in given and (not isinstance(holding, str) or holding not in THINGS):
             raise self._document.error(
                 (name, "holds"), f"`holds` is {holding!r}; write {' or '.join(THINGS)}, or leave the key out"
             )

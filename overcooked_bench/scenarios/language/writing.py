@@ -5,11 +5,12 @@ from typing import Any
 
 import yaml
 
+from overcooked_bench.kitchen.codes import PICTURE_NAMES
 from overcooked_bench.kitchen.state import Chef, Soup
 from overcooked_bench.scenarios.language.loading import FACING_NAMES
 from overcooked_bench.scenarios.language.picture import CHEFS, draw_picture
 from overcooked_bench.scenarios.language.terms import Condition, Either
-from overcooked_bench.scenarios.scenario import ACTIONS, Scenario
+from overcooked_bench.scenarios.scenario import Scenario
 
 
 def scenario_text(scenario: Scenario) -> str:
@@ -32,7 +33,7 @@ def scenario_text(scenario: Scenario) -> str:
     lines += [f"never: {_condition(scenario.never)}"] if scenario.never else []
     lines += [f"budget: {scenario.budget}"] if scenario.budget else []
     if scenario.before:
-        played = {name: [ACTIONS[joint[k]] for joint in scenario.before] for k, name in enumerate(CHEFS)}
+        played = {name: [PICTURE_NAMES[joint[k]] for joint in scenario.before] for k, name in enumerate(CHEFS)}
         lines.append(f"before: {_flow(played)}")
     lines += [f"pair: {scenario.pair}"] if scenario.pair else []
     return "\n".join([*lines, f"why: {_quoted(scenario.why)}"]) + "\n"

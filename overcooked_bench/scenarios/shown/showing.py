@@ -1,10 +1,11 @@
 """A scenario told to people: the kitchen drawn, who holds what, what is asked, and the shortest solution as a film."""
 
+from overcooked_bench.kitchen.codes import PICTURE_NAMES
 from overcooked_bench.rendering.text import describe, film
 from overcooked_bench.scenarios.judge import judge
 from overcooked_bench.scenarios.language.terms import Either
 from overcooked_bench.scenarios.language.writing import behaviour_text
-from overcooked_bench.scenarios.scenario import ACTIONS, Situation
+from overcooked_bench.scenarios.scenario import Situation
 from overcooked_bench.scenarios.solving.lock import entry_of, known_entry, situations
 
 
@@ -33,7 +34,7 @@ def show(situation: Situation, *, colour: bool = False) -> str:
     lines += [f"B's part{where}: {behaviour_text(scenario)}", *_asked(situation)]
     if situation.before:
         played = [
-            f"{name} {' '.join(ACTIONS[joint[names.index(name)]] for joint in situation.before)}" for name in "AB"
+            f"{name} {' '.join(PICTURE_NAMES[joint[names.index(name)]] for joint in situation.before)}" for name in "AB"
         ]
         lines.append(f"before: {'; '.join(played)}")
     entry = known_entry(scenario)

@@ -6,17 +6,26 @@ from functools import lru_cache
 from hashlib import sha256
 from math import ceil
 from pathlib import Path
-from typing import Final
+from typing import Annotated, Final
 
 import msgspec
 
+from overcooked_bench.documents import read_json
+from overcooked_bench.errors import WrongUse
+from overcooked_bench.files import write_whole
+from overcooked_bench.kitchen.codes import ACTION_LETTERS
 from overcooked_bench.scenarios.errors import ScenarioError
+from overcooked_bench.scenarios.items import read_files, shipped_folder
+from overcooked_bench.scenarios.language.loading import MOST_STEPS
 from overcooked_bench.scenarios.scenario import SEATS, Scenario, Situation
 
 LOCK_FILE: Final = "scenarios.lock"
 VERSION: Final = 1
-LETTERS: Final = "UDRLSI"
-"""Actions 0 to 5 in a witness: up, down, right, left, stay, interact."""
+MOST_BYTES: Final = 4 << 20
+"""Of a lock file; one scenario takes about 400."""
+
+Steps = Annotated[int, msgspec.Meta(ge=0, le=MOST_STEPS)]
+"""A number of steps that a scenario can have."""
 
 _SOLVED: Final[dict[str, "Entry"]] = {}  # by definition: what was searched in this process
 
@@ -26,16 +35,16 @@ class Witness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     Attributes:
         steps: Its length, T*.
-        actions: A's actions, one letter of `LETTERS` each.
+        actions: A's actions, one letter of `ACTION_LETTERS` each.
     """
 
-    steps: int
-    actions: str
+    steps: Steps
+    actions: Annotated[str, msgspec.Meta(pattern=rf"\A[{ACTION_LETTERS}]*\Z", max_length=MOST_STEPS)]
 
     @property
     def own(self) -> tuple[int, ...]:
         """A's actions."""
-        return tuple(LETTERS.index(letter) for letter in self.actions)
+        return tuple(ACTION_LETTERS.index(letter) for letter in self.actions)
 
 
 class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -49,8 +58,8 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """
 
     definition: str
-    steps: int
-    budget: int
+    steps: Steps
+    budget: Steps
     witnesses: dict[str, Witness]
 
 
@@ -66,9 +75,9 @@ class Lock(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     scenarios: dict[str, Entry] = {}
 
     def entry(self, scenario: Scenario) -> Entry | None:
-        """Gives a scenario's entry; None where there is none, or it was made for another definition."""
+        """Returns a scenario's entry; None if there is none, or if it is not what a search could have written."""
         found = self.scenarios.get(scenario.id)
-        return found if found and found.definition == definition(scenario) else None
+        return found if found and found.definition == definition(scenario) and _consistent(found, scenario) else None
 
 
 def budget_for(category: str, steps: int) -> int:
@@ -121,16 +130,32 @@ def read_lock(path: str | Path) -> Lock:
 @lru_cache(8)
 def _read(file: Path, changed: int) -> Lock:
     try:
-        lock = msgspec.json.decode(file.read_bytes(), type=Lock)
-    except (msgspec.MsgspecError, OSError) as error:
-        raise ScenarioError(f"{file}: damaged ({error}); delete it, and it is made anew when it is needed") from None
+        lock = read_json(file, MOST_BYTES, Lock)
+    except WrongUse as error:
+        raise ScenarioError(f"{error}; the lock file is damaged: delete it, and it is written again") from None
     if lock.version != VERSION:
         raise ScenarioError(f"{file}: written in version {lock.version} of its form, and this is {VERSION}; delete it")
-    for name, entry in lock.scenarios.items():
-        for witness in entry.witnesses.values():
-            if len(witness.actions) != witness.steps or not set(witness.actions) <= set(LETTERS):
-                raise ScenarioError(f"{file}: the witness of {name} is not {witness.steps} letters of {LETTERS}")
     return lock
+
+
+def _consistent(entry: Entry, scenario: Scenario) -> bool:
+    """Returns whether the numbers of an entry fit each other and the scenario."""
+    lengths = [witness.steps for witness in entry.witnesses.values()]
+    return (
+        entry.witnesses.keys() == situations(scenario).keys()
+        and lengths == [len(witness.actions) for witness in entry.witnesses.values()]
+        and entry.steps == max(lengths)
+        and entry.budget == (scenario.budget or budget_for(scenario.category, entry.steps))
+    )
+
+
+@lru_cache(1024)
+def _proved(scenario: Scenario, actions: tuple[tuple[int, ...], ...]) -> bool:
+    """Returns whether each solution of an entry reaches the goal at its last step; plays them."""
+    from overcooked_bench.scenarios.judge import judge
+
+    each = zip(situations(scenario).values(), actions, strict=True)
+    return all(judge(situation, len(own), own).reached == len(own) for situation, own in each)
 
 
 def write_lock(
@@ -158,7 +183,7 @@ def write_lock(
         entries[scenario.id] = old.entry(scenario) or solve_scenario(scenario)
         on_entry(scenario, entries[scenario.id])
     lock = Lock(VERSION, entries)
-    file.write_text(lock_text(lock), "utf-8")
+    write_whole(file, lock_text(lock))
     return lock
 
 
@@ -197,7 +222,7 @@ def solve_scenario(scenario: Scenario) -> Entry:
                 f"{scenario.source}: {scenario.id} cannot be solved from {key.replace('-', ', ')} in {limit} steps; "
                 "mend the kitchen, what B does, or what is asked"
             )
-        witnesses[key] = Witness(found.steps, "".join(LETTERS[action] for action in found.actions))
+        witnesses[key] = Witness(found.steps, "".join(ACTION_LETTERS[action] for action in found.actions))
     steps = max(witness.steps for witness in witnesses.values())
     return Entry(definition(scenario), steps, scenario.budget or budget_for(scenario.category, steps), witnesses)
 
@@ -212,12 +237,19 @@ def entry_of(scenario: Scenario) -> Entry:
 
 
 def known_entry(scenario: Scenario) -> Entry | None:
-    """Gives a scenario's entry where the lock file has it, or it was searched before; None elsewhere.
+    """Returns a scenario's entry if the lock file has it, or it was searched before; else None.
+
+    The solutions of a lock file that does not ship with the package are played once before they are believed.
 
     Raises:
         ScenarioError: The lock file is damaged.
     """
-    return read_lock(lock_path(scenario)).entry(scenario) or _SOLVED.get(definition(scenario))
+    path = lock_path(scenario)
+    found = read_lock(path).entry(scenario)
+    if found and path.parent != shipped_folder():
+        own = tuple(found.witnesses[key].own for key in situations(scenario))
+        found = found if _proved(scenario, own) else None
+    return found or _SOLVED.get(definition(scenario))
 
 
 def budget_of(scenario: Scenario) -> int:
@@ -241,8 +273,6 @@ def stale(lock: Lock, scenarios: Iterable[Scenario]) -> list[str]:
 
 def main() -> None:
     """Brings the lock file of the scenarios that ship up to date."""
-    from overcooked_bench.scenarios.items import read_files, shipped_folder
-
     folder = shipped_folder()
     write_lock(folder / LOCK_FILE, read_files([folder]), lambda s, entry: print(s.id, entry.steps, entry.budget))
 

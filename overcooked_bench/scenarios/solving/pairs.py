@@ -4,8 +4,9 @@ A pair of the category `memory` looks the same when A is asked for the first tim
 not know what was before. Any other pair is about what must not matter: its halves differ in things that lie far away.
 """
 
+from overcooked_bench.kitchen.codes import PICTURE_NAMES
 from overcooked_bench.scenarios.judge import judge
-from overcooked_bench.scenarios.scenario import ACTIONS, SEATS, Scenario, Situation
+from overcooked_bench.scenarios.scenario import SEATS, Scenario, Situation
 from overcooked_bench.scenarios.solving.lock import budget_of, entry_of, situations
 from overcooked_bench.scenarios.solving.memory import unknowing
 from overcooked_bench.scenarios.solving.solver import search_for
@@ -32,7 +33,7 @@ def _faults_of_memory(one: Scenario, other: Scenario) -> list[str]:
         except ValueError as error:
             return [*faults, str(error)]
         if ways:
-            told = " ".join(ACTIONS[action] for action in ways[0].actions)
+            told = " ".join(PICTURE_NAMES[action] for action in ways[0].actions)
             steps = " and ".join(f"{n} steps" for n in ways[0].steps)
             faults.append(
                 f"it takes no memory from seat {seat}: {told}, then what the kitchen shows, passes in {steps}"
@@ -50,8 +51,10 @@ def _faults_of_history(situation: Situation) -> list[str]:
     for t, joint in enumerate(situation.before):
         action = search.answer(row, behaviour, 0)
         if action != joint[situation.partner_seat]:
-            did = ACTIONS[joint[situation.partner_seat]]
-            return [f"B of {name} does {did} at step {t} of `before`; by its own rule it would do {ACTIONS[action]}"]
+            did = PICTURE_NAMES[joint[situation.partner_seat]]
+            return [
+                f"B of {name} does {did} at step {t} of `before`; by its own rule it would do {PICTURE_NAMES[action]}"
+            ]
         row, _ = search.step(row, counts, joint)
     return []
 

@@ -114,10 +114,10 @@ def test_broken_weights_are_refused(tmp_path_factory, content):
 def test_missing_files_are_named(tmp_path):
     files = write_policy(tmp_path / "sp-0")
     files.weights.unlink()
-    with pytest.raises(PolicyError, match=r"sp-0\.safetensors: no such file"):
+    with pytest.raises(PolicyError, match=r"sp-0\.safetensors: cannot be read \(no such file"):
         load_policy(files.architecture)
     files.architecture.unlink()
-    with pytest.raises(PolicyError, match=r"sp-0\.json: no such file"):
+    with pytest.raises(PolicyError, match=r"sp-0\.json: cannot be read \(no such file"):
         load_policy(tmp_path / "sp-0")
 
 

@@ -1,3 +1,5 @@
+import json
+
 import pytest
 
 from overcooked_bench.scenarios.errors import ScenarioError
@@ -8,6 +10,7 @@ from overcooked_bench.scenarios.solving.lock import (
     budget_for,
     budget_of,
     entry_of,
+    known_entry,
     lock_text,
     read_lock,
     situations,
@@ -95,7 +98,7 @@ DAMAGED = {
     "witness": (
         '{"version": 1, "scenarios": {"x": {"definition": "a", "steps": 1, "budget": 6, '
         '"witnesses": {"seat0": {"steps": 1, "actions": "Q"}}}}}',
-        "the witness of x",
+        "matching regex",
     ),
 }
 
@@ -105,6 +108,54 @@ def test_a_damaged_lock_is_told(tmp_path, text, message):
     (tmp_path / LOCK_FILE).write_text(text)
     with pytest.raises(ScenarioError, match=message):
         read_lock(tmp_path / LOCK_FILE)
+
+
+def edit(folder, **changes):
+    """Writes the lock of the two scenarios with changes in T02-pot's entry."""
+    write_lock(folder / LOCK_FILE, scenarios(folder))
+    content = json.loads((folder / LOCK_FILE).read_text())
+    content["scenarios"]["T02-pot"] |= changes
+    (folder / LOCK_FILE).write_text(json.dumps(content))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"budget": 10**9}, "Expected `int` <= 200"),
+        ({"steps": -1}, "Expected `int` >= 0"),
+        ({"witnesses": 1}, "object"),
+    ],
+    ids=["budget", "steps", "witnesses"],
+)
+def test_numbers_that_no_lock_has_are_refused(folder, changes, message):
+    edit(folder, **changes)
+    with pytest.raises(ScenarioError, match=message):
+        read_lock(folder / LOCK_FILE)
+
+
+FALSE = {
+    "budget": {"budget": 150},
+    "steps": {"steps": 60, "budget": 94},
+    "fewer witnesses": {"witnesses": {"seat0": {"steps": 1, "actions": "I"}}},
+    "a witness of another length": {
+        "witnesses": {key: {"steps": 1, "actions": "II"} for key in situations(scenario(POT))}
+    },
+    "witnesses that reach nothing": {
+        "witnesses": {key: {"steps": 1, "actions": "S"} for key in situations(scenario(POT))}
+    },
+    "witnesses that go on": {
+        **{"steps": 30, "budget": 49},
+        "witnesses": {key: {"steps": 30, "actions": "I" + "S" * 29} for key in situations(scenario(POT))},
+    },
+}
+
+
+@pytest.mark.parametrize("changes", FALSE.values(), ids=FALSE.keys())
+def test_a_budget_that_does_not_follow_is_not_believed(folder, changes):
+    edit(folder, **changes)
+    read = load_scenario(folder / "T02-pot.yaml")
+    assert known_entry(read) in (None, entry_of(scenario(POT, budget="auto")))
+    assert (entry_of(read).steps, budget_of(read)) == (1, 6)
 
 
 def test_an_empty_lock_is_one(tmp_path):
