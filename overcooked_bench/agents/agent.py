@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from overcooked_bench.agents.draws import sample_actions, uniforms
+from overcooked_bench.agents.saying import describe, value
 from overcooked_bench.errors import AgentFault, WrongUse
 
 __all__ = ["Agent", "GameError", "UnknownLayout", "one_game_at_a_time", "sample_actions", "uniforms"]
@@ -145,28 +146,27 @@ class _OneGameAtATime:
                 action = player.act(seen)
             try:
                 actions[row] = operator.index(action)
-            except (TypeError, OverflowError):
-                raise GameError(
-                    f"row {row}: {_name(self._factory)}'s act returned {action!r}; return one whole number from 0 to 5",
-                    row,
-                ) from None
+            except KeyboardInterrupt:
+                raise
+            except BaseException:
+                told = f"{_name(self._factory)}'s act returned {value(action)}; return one whole number from 0 to 5"
+                raise GameError(f"row {row}: {told}", row) from None
         return actions
 
     @contextmanager
     def _blaming(self, row: int, method: str) -> Iterator[None]:
         try:
             yield
-        except UnknownLayout:
+        except (UnknownLayout, KeyboardInterrupt):
             raise
-        except (Exception, SystemExit) as error:
-            told = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-            raise GameError(f"row {row}: {_name(self._factory)}'s {method} raised {told}", row) from error
+        except BaseException as error:
+            raise GameError(f"row {row}: {_name(self._factory)}'s {method} raised {describe(error)}", row) from error
 
 
 def _make(factory: Callable[[], Any]) -> Any:
     player = factory()
     if not callable(getattr(player, "act", None)):
-        raise TypeError(f"{_name(factory)}() gave {player!r}; it needs a method act(observation) -> int")
+        raise TypeError(f"{_name(factory)}() gave {value(player)}; it needs a method act(observation) -> int")
     return player
 
 

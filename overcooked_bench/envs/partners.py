@@ -5,7 +5,6 @@ Axes: N kitchens.
 
 from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,8 @@ from numpy.typing import NDArray
 from overcooked_bench.agents.agent import Agent, Reference
 from overcooked_bench.agents.policies.ensemble import JoinedAgents
 from overcooked_bench.agents.policies.neural import NeuralAgent
-from overcooked_bench.envs.seatmate import STATE, Seatmate, find_partner
+from overcooked_bench.agents.seated import Seated, Views
+from overcooked_bench.envs.seats import find_partner
 from overcooked_bench.kitchen.kitchens import Kitchens
 from overcooked_bench.kitchen.layout import Layout
 
@@ -53,40 +53,33 @@ class Partners:
             joinable = type(agent) is NeuralAgent
             kind = (agent.observation, agent.layout, agent.mode) if joinable else i
             together.setdefault(kind, []).append(i)
-        self._mates: list[Seatmate] = []
-        self._shares: list[NDArray[np.int64]] = []
+        self._seated: list[Seated] = []
         for group in together.values():
             parts = [shares[i] for i in group]
+            agent, name = agents[group[0]], names[group[0]]
             if len(group) > 1:
-                self._mates.append(
-                    Seatmate(JoinedAgents([agents[i] for i in group], list(map(len, parts))), "policies")
-                )
-            else:
-                self._mates.append(Seatmate(agents[group[0]], names[group[0]]))
-            self._shares.append(np.concatenate(parts))
-        self.observations = tuple(mate.observation for mate in self._mates)
+                agent, name = JoinedAgents([agents[i] for i in group], list(map(len, parts))), "the partners' policies"
+            self._seated.append(Seated(agent, name, np.concatenate(parts)))
+        self.observations = tuple(partner.observation for partner in self._seated)
 
-    def shown_by(self, kitchens: Kitchens) -> None:
+    def fit(self, kitchens: Kitchens) -> None:
         """Checks that these kitchens can show what the partners want to see.
 
         Raises:
-            ValueError: They cannot; says why.
+            SeatedFault: They cannot; says why.
         """
-        for mate in self._mates:
-            mate.shown_by(kitchens)
+        for partner in self._seated:
+            partner.fit(kitchens)
 
     def reset(self, kitchens: Kitchens, seats: NDArray[np.int64], seeds: NDArray[np.uint64]) -> None:
         """Starts new episodes in all kitchens; `seats` (N,) are the partners' own, `seeds` (N,) uint64."""
         self._seats = seats
-        for mate, share in zip(self._mates, self._shares, strict=True):
-            mate.reset(kitchens, seats, seeds, share)
+        for partner in self._seated:
+            partner.reset(kitchens.layout.name, seeds[partner.where], seats[partner.where])
 
     def act(self, kitchens: Kitchens) -> NDArray[np.int64]:
-        """Asks every partner for its actions: (N,) whole numbers."""
-        shown: dict[str, Any] = {STATE: None}
-        actions = np.empty(kitchens.num_kitchens, np.int64)
-        for mate, share in zip(self._mates, self._shares, strict=True):
-            if mate.observation not in shown:
-                shown[mate.observation] = kitchens.observe(mate.observation, seats=self._seats)
-            actions[share] = mate.act(kitchens, shown[mate.observation])
+        """Asks every partner for its actions: (N,) int64."""
+        views, actions = Views(kitchens, self._seats), np.empty(kitchens.num_kitchens, np.int64)
+        for partner in self._seated:
+            actions[partner.where] = partner.act(views.of(partner))
         return actions

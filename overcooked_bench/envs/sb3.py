@@ -19,7 +19,7 @@ from overcooked_bench.envs.episode_log import EpisodeLog, generator_state, set_g
 from overcooked_bench.envs.event_rewards import event_weights
 from overcooked_bench.envs.frames import frame
 from overcooked_bench.envs.partners import Partners
-from overcooked_bench.envs.seatmate import RANDOM_SEAT, STAY_ACTION, checked_seat
+from overcooked_bench.envs.seats import RANDOM_SEAT, STAY_ACTION, checked_seat
 from overcooked_bench.envs.spaces import action_space, observation_space
 from overcooked_bench.kitchen.kitchens import Kitchens
 from overcooked_bench.kitchen.layout import Layout
@@ -89,7 +89,7 @@ class OvercookedVecEnv(VecEnv):
             history=history_for([observation, *(self._partners.observations if self._partners else ())]),
         )
         if self._partners:
-            self._partners.shown_by(self.kitchens)
+            self._partners.fit(self.kitchens)
         self.kitchens.autoreset = False
         self._observation = observation
         self._shaping = float(shaping)
@@ -128,7 +128,7 @@ class OvercookedVecEnv(VecEnv):
         if not self._partners:
             raise ValueError("in self-play both seats are the learner's; make the environment without self_play")
         chosen = Partners(partners, self.kitchens.layout, self._num_kitchens)
-        chosen.shown_by(self.kitchens)
+        chosen.fit(self.kitchens)
         self._next_partners = chosen
 
     def reset(self) -> VecEnvObs:

@@ -10,8 +10,16 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import Agent, Reference
+from overcooked_bench.agents.seated import Views
 from overcooked_bench.envs.frames import RENDER_FPS, RENDER_MODES, checked_mode, frame
-from overcooked_bench.envs.seatmate import LARGEST_DRAW, RANDOM_SEAT, STAY_ACTION, checked_seat, needed_layout, seatmate
+from overcooked_bench.envs.seats import (
+    LARGEST_DRAW,
+    RANDOM_SEAT,
+    STAY_ACTION,
+    checked_seat,
+    needed_layout,
+    seat_partner,
+)
 from overcooked_bench.envs.spaces import action_space, observation_space
 from overcooked_bench.kitchen.kitchens import Kitchens
 from overcooked_bench.kitchen.layout import Layout
@@ -132,7 +140,7 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
         plan = needed_layout(layout)
         self._chosen_seat = checked_seat(seat)
         self.render_mode = checked_mode(render_mode)
-        self._partner = seatmate(partner, plan)
+        self._partner = seat_partner(partner, plan, 1)
         self.kitchens = Kitchens(
             plan,
             1,
@@ -144,7 +152,7 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
         )
         self.kitchens.autoreset = False
         if self._partner:
-            self._partner.shown_by(self.kitchens)
+            self._partner.fit(self.kitchens)
         self.action_space = action_space()
         self.observation_space = observation_space(self.kitchens, observation)
         self._observation = observation
@@ -174,7 +182,7 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
         self._seat = draw & 1 if self._chosen_seat == RANDOM_SEAT else int(self._chosen_seat)
         self._joint[:] = STAY_ACTION
         if self._partner:
-            self._partner.reset(self.kitchens, np.array([1 - self._seat]), np.array([draw >> 1], np.uint64))
+            self._partner.reset(self.kitchens.layout.name, np.array([draw >> 1], np.uint64), np.array([1 - self._seat]))
         self._seats = np.array([self._seat])
         view = self.kitchens.observe(self._observation, None, self._seats)[0]
         return view, {"soup_reward": 0.0, "partial_reward": 0.0, "seat": self._seat}
@@ -203,7 +211,7 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
                 f"action {action!r} of the type {type(action).__name__}; give one whole number from 0 to 5"
             ) from None
         if self._partner:
-            self._joint[0, 1 - seat] = self._partner.act(self.kitchens)[0]
+            self._joint[0, 1 - seat] = self._partner.act(Views(self.kitchens, self._partner.seats).of(self._partner))[0]
         over = self.kitchens.play(self._joint, self._rewards, self._truncated)
         soup = self._rewards.item(0) + self._rewards.item(1)
         partial = self._rewards.item(2 + seat)

@@ -15,8 +15,16 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
 from overcooked_bench.agents.agent import Agent, Reference
+from overcooked_bench.agents.seated import Views
 from overcooked_bench.envs.frames import RENDER_FPS, RENDER_MODES, checked_mode, frame
-from overcooked_bench.envs.seatmate import LARGEST_DRAW, RANDOM_SEAT, STAY_ACTION, checked_seat, needed_layout, seatmate
+from overcooked_bench.envs.seats import (
+    LARGEST_DRAW,
+    RANDOM_SEAT,
+    STAY_ACTION,
+    checked_seat,
+    needed_layout,
+    seat_partner,
+)
 from overcooked_bench.envs.spaces import action_space, observation_space
 from overcooked_bench.kitchen.kitchens import Kitchens
 from overcooked_bench.kitchen.layout import Layout
@@ -80,7 +88,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
         plan = needed_layout(layout)
         self._chosen_seat = checked_seat(seat)
         self.render_mode = checked_mode(render_mode)
-        self._partner = seatmate(partner, plan)
+        self._partner = seat_partner(partner, plan, num_envs)
         self.kitchens = Kitchens(
             plan,
             num_envs,
@@ -92,7 +100,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
         )
         self.kitchens.autoreset = False
         if self._partner:
-            self._partner.shown_by(self.kitchens)
+            self._partner.fit(self.kitchens)
         self.num_envs = num_envs
         self.single_action_space = action_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -188,7 +196,8 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
             )
         self._flat_joint[self._rows] = given
         if self._partner:
-            self._flat_joint[self._rows ^ 1] = self._partner.act(self.kitchens)
+            views = Views(self.kitchens, self._partner.seats)
+            self._flat_joint[self._rows ^ 1] = self._partner.act(views.of(self._partner))
         truncated = np.empty(self.num_envs, np.bool_)
         over = self.kitchens.play(self._joint, self._rewards, truncated)
         soup = self._soup_0 + self._soup_1
@@ -259,7 +268,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
         self._rows = self._first_rows + self._seats
         self._joint[:] = STAY_ACTION
         if self._partner:
-            self._partner.reset(self.kitchens, 1 - self._seats, (draws >> 1).astype(np.uint64))
+            self._partner.reset(self.kitchens.layout.name, (draws >> 1).astype(np.uint64), 1 - self._seats)
 
     def _seed_streams(self, seed: int | Sequence[int | None] | None) -> None:
         if seed is None and self._streams:

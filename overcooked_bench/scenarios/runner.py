@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.agents.agent import AgentFactory, GameError, Reference, UnknownLayout
+from overcooked_bench.agents.agent import AgentFactory, Reference, UnknownLayout
 from overcooked_bench.agents.catalogue import find
 from overcooked_bench.agents.mirror import mirrored
-from overcooked_bench.agents.submissions.checks import AgentError, check_actions, check_agent
+from overcooked_bench.agents.seated import Seated, SeatedFault, Views
+from overcooked_bench.agents.submissions.checks import check_agent
 from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.kitchen.observations.registry import history_for
 from overcooked_bench.scenarios.errors import ScenarioFault
@@ -315,56 +316,25 @@ def _ways(make_agent: AgentFactory, situation: Situation, seed: int) -> "Iterato
 
 def _perform(agent: "Agent", parts: Sequence[Part], seeds: NDArray[np.uint64], repeats: int, warmup: int) -> Stage:
     """Plays all runs to their verdicts."""
-    stage = Stage(parts, repeats, history_for([agent.observation]))
-    layout = stage.kitchens.layout
-    with _Blame(agent, "reset", stage):
-        agent.reset(layout.name, stage.seats.copy(), seeds)
-    if agent.observation != "state":
-        try:
-            stage.kitchens.observation_shape(agent.observation)
-        except ValueError as error:
-            raise ScenarioFault(f"its observation cannot be given on {layout.name}: {error}") from error
-    for time in range(-warmup, len(stage.actions)):
-        if stage.over:
-            break
-        seen = _seen(agent, stage)
-        with _Blame(agent, "act", stage):
-            answer = agent.act(seen)
-        try:
-            own = check_actions(answer, len(seeds), "its answer")
-        except AgentError as error:
-            raise ScenarioFault(_told(str(error).removeprefix("its answer: "), stage, None)) from None
-        if time >= 0:
-            stage.play(own)
+    try:
+        seated = Seated(agent, "the agent", np.arange(len(seeds)))
+        stage = Stage(parts, repeats, history_for([seated.observation]))
+        seated.reset(stage.kitchens.layout.name, seeds, stage.seats)
+        seated.fit(stage.kitchens)
+        views = Views(stage.kitchens, stage.seats)
+        for time in range(-warmup, len(stage.actions)):
+            if stage.over:
+                break
+            views.renew()
+            own = seated.act(views.of(seated))
+            if time >= 0:
+                stage.play(own)
+    except SeatedFault as fault:
+        raise ScenarioFault(_where(parts, repeats, fault)) from fault
     return stage
 
 
-def _seen(agent: "Agent", stage: Stage) -> Any:
-    if agent.observation == "state":
-        return [stage.kitchens.state(row) for row in range(stage.kitchens.num_kitchens)]
-    return stage.kitchens.observe(agent.observation, seats=stage.seats)
-
-
-class _Blame:
-    """Turns whatever an agent raises into a ScenarioFault that says where; UnknownLayout goes through."""
-
-    def __init__(self, agent: "Agent", method: str, stage: Stage) -> None:
-        self._method, self._stage = method, stage
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: Any, error: BaseException | None, trace: Any) -> None:
-        if not isinstance(error, Exception | SystemExit) or isinstance(error, UnknownLayout):
-            return
-        if isinstance(error, GameError):
-            raise ScenarioFault(_told(str(error), self._stage, error.row)) from error
-        told = f": {error}" if str(error) else ""
-        message = f"{self._method}() raised {type(error).__name__}{told}"
-        raise ScenarioFault(_told(message, self._stage, None)) from error
-
-
-def _told(message: str, stage: Stage, row: int | None) -> str:
-    situation = stage.parts[(row or 0) // stage.repeats].situation
-    named = situation.id if row is not None or len(stage.parts) == 1 else f"scenarios on {situation.layout.name!r}"
-    return f"{named}, step {stage.step}: {message}"
+def _where(parts: Sequence[Part], repeats: int, fault: SeatedFault) -> str:
+    situation = parts[(fault.row or 0) // repeats].situation
+    named = situation.id if fault.row is not None or len(parts) == 1 else f"scenarios on {situation.layout.name!r}"
+    return f"{named}, {fault.when}: {fault.what}"

@@ -289,7 +289,7 @@ def test_a_wrong_action_changes_nothing(actions, told):
     assert all(np.array_equal(array, before[name]) for name, array in env.snapshot().items())
 
 
-@pytest.mark.parametrize(("answer", "told"), [([4], r"shape \(2,\)"), ([4, 9], "action 9"), ([0.5, 1.0], "float64")])
+@pytest.mark.parametrize(("answer", "told"), [([4], r"shape \(1,\)"), ([4, 9], "action 9"), ([0.5, 1.0], "float64")])
 def test_a_partners_wrong_answer_is_told(answer, told):
     env = make_env(2, partners=[Answers(np.array(answer))], seat=0)
     env.reset()

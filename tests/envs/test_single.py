@@ -187,7 +187,10 @@ def test_gymnasium_records_the_statistics_of_an_episode():
         ({"render_mode": "video"}, "render_mode='video'; give 'rgb_array', 'ansi' or None"),
         ({"render_mode": "human"}, "gymnasium.make"),
         ({"layout": "crampd_room"}, "did you mean 'cramped_room'"),
-        ({"partner": Wanderer("pixels")}, "partner Wanderer has observation='pixels'; choose one of features"),
+        (
+            {"partner": Wanderer("pixels")},
+            "partner Wanderer.*observation is 'pixels'; choose one of features",
+        ),
         ({"layout": TOMATO_KITCHEN}, "'lossless' has no tomato channels.*use 'lossless26'"),
         (
             {"layout": TOMATO_KITCHEN, "observation": "lossless26", "partner": Wanderer("lossless")},
@@ -240,5 +243,5 @@ def test_any_whole_number_is_an_action(action):
 def test_a_partners_wrong_answer_names_the_partner(answer):
     env = OvercookedEnv("cramped_room", partner=Answers(answer))
     env.reset(seed=0)
-    with pytest.raises(ValueError, match=r"partner Answers answered with .* whole numbers of the shape \(1,\)"):
+    with pytest.raises(ValueError, match=r"^partner Answers, step 0: act returned .* return 1 whole numbers"):
         env.step(4)

@@ -203,7 +203,7 @@ def test_actions_that_are_none_are_refused(actions):
 def test_a_partners_wrong_answer_is_refused():
     envs = OvercookedVectorEnv("cramped_room", NUM, partner=Answers(np.zeros(3, int)))
     envs.reset(seed=0)
-    with pytest.raises(ValueError, match=r"partner Answers answered with the shape \(3,\)"):
+    with pytest.raises(ValueError, match=r"partner Answers, step 0: act returned the shape \(3,\)"):
         envs.step([4] * NUM)
 
 

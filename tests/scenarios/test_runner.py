@@ -207,7 +207,7 @@ def test_an_agent_that_is_none_is_refused():
         run_items(lambda *_: object(), four())
     tomatoes = POT.replace("cramped_room", "|\n  XXPXX\n  O   T\n  X   X\n  XDXSX").replace("O A O", "O A T")
     make = type("Grid", (Player,), {"observation": "lossless"})
-    with pytest.raises(ScenarioFault, match="cannot be given on"):
+    with pytest.raises(ScenarioFault, match="cannot be given here"):
         run_items(lambda *_: make(), items([scenario(tomatoes)]))
 
 

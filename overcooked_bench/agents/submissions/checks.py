@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overcooked_bench.agents.saying import describe, value
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
 
@@ -13,57 +14,98 @@ class AgentError(WrongUse):
     """An agent could not be loaded or broke the contract; the message says where and what to write instead."""
 
 
-def check_agent(agent: Any, where: str) -> None:
+class ActionError(AgentError):
+    """What `act` returned is not one action per row.
+
+    Attributes:
+        row: The first row whose whole number is no action; None where something else is wrong.
+    """
+
+    def __init__(self, message: str, row: int | None = None) -> None:
+        super().__init__(message)
+        self.row = row
+
+
+def check_agent(agent: Any, where: str) -> str:
     """Checks that an object keeps the contract of agents, as far as can be seen without playing.
 
     Args:
         agent: Any object.
         where: What the message begins with, such as the submission's file.
 
+    Returns:
+        Its observation.
+
     Raises:
         AgentError: Something is missing.
     """
-    missing = [name for name in ("reset", "act") if not callable(getattr(agent, name, None))]
+    missing = [name for name in ("reset", "act") if not callable(_attribute(agent, name))]
     if missing or isinstance(agent, type):
         lacks = "is a class, not an object" if isinstance(agent, type) else f"has no method {' and no '.join(missing)}"
         raise AgentError(
-            f"{where}: {agent!r} {lacks}; an agent is an object with `observation`, reset(layout, seats, seeds) and "
-            "act(observations)"
+            f"{where}: {value(agent)} {lacks}; an agent is an object with `observation`, reset(layout, seats, seeds) "
+            "and act(observations)"
         )
+    try:
+        return checked_observation(agent)
+    except AgentError as error:
+        raise AgentError(f"{where}: {error}") from None
+
+
+def checked_observation(agent: Any) -> str:
+    """Reads what an agent is to be shown.
+
+    Raises:
+        AgentError: It names no observation.
+    """
     from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
 
-    observation, known = getattr(agent, "observation", None), (*OBSERVATIONS, "state")
-    if not isinstance(observation, str) or observation not in known:
-        raise AgentError(f"{where}: the agent's observation is {observation!r}; choose one of {', '.join(known)}")
+    observation, known = _attribute(agent, "observation"), (*OBSERVATIONS, "state")
+    name = str.__str__(observation) if isinstance(observation, str) else None
+    if name not in known:
+        raise AgentError(f"the agent's observation is {value(observation)}; choose one of {', '.join(known)}")
+    return name
 
 
-def check_actions(actions: Any, batch: int, where: str) -> NDArray[np.int64]:
+def check_actions(actions: Any, batch: int) -> NDArray[np.int64]:
     """Checks what an agent's `act` returned.
 
     Args:
         actions: Anything.
         batch: B, the number of rows it was asked for.
-        where: What the message begins with, such as layout, partner, seat and step.
 
     Returns:
-        (B,) int64, from 0 to 5.
+        (B,) int64, from 0 to 5, in memory of its own.
 
     Raises:
-        AgentError: A wrong shape, no whole numbers, or one out of range; names the first such row.
+        ActionError: A wrong shape, no whole numbers, or one out of range; names the first such row.
     """
-    wanted = f"return {batch} whole numbers from 0 to {NUM_ACTIONS - 1}, one a row"
-    if hasattr(actions, "detach"):
-        actions = actions.detach().cpu()
-    try:
-        given = np.asarray(actions)
-    except (ValueError, TypeError) as error:
-        raise AgentError(f"{where}: act returned no array ({error}); {wanted}") from None
-    if given.shape != (batch,):
-        raise AgentError(f"{where}: act returned the shape {given.shape} for {batch} rows; {wanted}")
+    wanted = f"return {batch} whole numbers from 0 to {NUM_ACTIONS - 1}, one per row"
+    if type(actions) is np.ndarray:  # anything else runs code of its own when it is looked at
+        given = actions
+    else:
+        try:
+            given = np.asarray(actions.detach().cpu() if hasattr(actions, "detach") else actions)
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            raise ActionError(f"act returned no array ({describe(error)}); {wanted}") from None
+    if given.shape != (batch,) or not batch:
+        raise ActionError(f"act returned the shape {given.shape} for {batch} rows; {wanted}")
     if given.dtype.kind not in "iu":
-        raise AgentError(f"{where}: act returned {given.dtype} (row 0: {given[0]!r}); {wanted}")
-    wrong = (given < 0) | (given >= NUM_ACTIONS)
-    if wrong.any():
-        row = int(wrong.argmax())
-        raise AgentError(f"{where}: act returned the action {given[row]} in row {row}; {wanted}")
-    return given.astype(np.int64)
+        raise ActionError(f"act returned {given.dtype} (row 0: {value(given[0])}); {wanted}")
+    own = given.astype(np.int64)
+    if own.view(np.uint64).max() >= NUM_ACTIONS:  # negative ones are large there: one look for both bounds
+        row = int(((own < 0) | (own >= NUM_ACTIONS)).argmax())
+        raise ActionError(f"act returned the action {given[row]} in row {row}; {wanted}", row)
+    return own
+
+
+def _attribute(agent: Any, name: str) -> Any:
+    """Reads an attribute; one that raises is as good as none."""
+    try:
+        return getattr(agent, name, None)
+    except KeyboardInterrupt:
+        raise
+    except BaseException:
+        return None

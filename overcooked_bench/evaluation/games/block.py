@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,15 +11,19 @@ from numpy.typing import NDArray
 from overcooked_bench.agents.agent import Agent, UnknownLayout
 from overcooked_bench.agents.catalogue import find_unchanged
 from overcooked_bench.agents.mirror import mirrored
+from overcooked_bench.agents.seated import Seated, SeatedFault
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.agents.watch import LOADING, calling
 from overcooked_bench.evaluation.games.episode import Episode, pack_actions, pack_state, side_of
-from overcooked_bench.evaluation.games.play import Games, Party, PlayFault, make_kitchens, play
+from overcooked_bench.evaluation.games.play import Games, make_kitchens, play
 from overcooked_bench.evaluation.games.roster import Partner, pool_as_hashed, roster, seat_partners
 from overcooked_bench.evaluation.games.streams import stream_key
 from overcooked_bench.evaluation.protocol import Protocol
 from overcooked_bench.kitchen.layout import MIRRORED, Layout
+
+EGO: Final = "the scored agent"
+"""What faults call it; no partner has a name with a space."""
 
 
 @dataclass(frozen=True)
@@ -97,8 +101,8 @@ def play_block(block: Block) -> Outcome:
             return Outcome(block.key, unknown=str(error))
         except AgentError as error:
             return Outcome(block.key, fault=f"{block.layout}, training seed {block.training_seed}: {error}")
-        except PlayFault as fault:
-            if fault.party:  # a partner of ours
+        except SeatedFault as fault:
+            if fault.who != EGO:  # a partner of ours
                 raise
             return Outcome(block.key, fault=_blame(fault, block, partners, who, seats))
     return Outcome(block.key, tuple(_episodes(block, partners, who, seats, games)), adapted)
@@ -118,7 +122,7 @@ def _play(
         with calling("make_agent", LOADING):
             ego = make(layout.removesuffix(MIRRORED) if adapted else layout, block.training_seed)
         parties = [
-            Party(mirrored(ego) if adapted else ego, np.arange(len(who)), seats),
+            Seated(mirrored(ego) if adapted else ego, EGO, np.arange(len(who)), seats),
             *seat_partners(partners, who, 1 - seats, pool, protocol.mode, layout),
         ]
         kitchens = make_kitchens(
@@ -183,7 +187,7 @@ def _streams(
 
 
 def _blame(
-    fault: PlayFault, block: Block, partners: Sequence[Partner], who: NDArray[np.int64], seats: NDArray[np.int64]
+    fault: SeatedFault, block: Block, partners: Sequence[Partner], who: NDArray[np.int64], seats: NDArray[np.int64]
 ) -> str:
     if fault.row is None:
         names = ", ".join(partner.name for partner in partners)
@@ -192,8 +196,8 @@ def _blame(
         )
     else:
         where = f"partner {partners[who[fault.row]].name}, seat {seats[fault.row]}"
-    step = "at the reset" if fault.step is None else f"step {fault.step}"
-    return f"{block.layout}, training seed {block.training_seed}, episode {block.episode}, {where}, {step}: {fault}"
+    cell = f"{block.layout}, training seed {block.training_seed}, episode {block.episode}"
+    return f"{cell}, {where}, {fault.when}: {fault.what}"
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from overcooked_bench.agents.catalogue import find, load_agent
 from overcooked_bench.agents.pools.pool import Pool, PoolError
-from overcooked_bench.evaluation.games.play import Party
+from overcooked_bench.agents.seated import Seated
 from overcooked_bench.evaluation.protocol import Protocol, ProtocolError
 from overcooked_bench.kitchen.layout import MIRRORED
 
@@ -106,7 +106,7 @@ def seat_partners(
     pool: Pool | None,
     mode: str,
     layout: str,
-) -> list[Party]:
+) -> list[Seated]:
     """Makes the agents that play the partners: one for all policies of an architecture, one for each scripted name.
 
     Args:
@@ -117,7 +117,7 @@ def seat_partners(
         mode: How they act.
         layout: Where they play.
     """
-    parties: list[Party] = []
+    parties: list[Seated] = []
     home = _plain(layout)
     stacks: dict[Architecture, list[int]] = {}
     for index in np.unique(who).tolist():
@@ -127,7 +127,7 @@ def seat_partners(
             stacks.setdefault(pool.policy(home, partner.name).architecture, []).append(index)
         else:
             rows = np.flatnonzero(who == index)
-            parties.append(Party(_scripted(partner.name, layout), rows, seats[rows]))
+            parties.append(Seated(_scripted(partner.name, layout), partner.name, rows, seats[rows]))
     for indices in stacks.values():
         from overcooked_bench.agents.mirror import mirrored
         from overcooked_bench.agents.policies.neural import NeuralAgent
@@ -137,7 +137,8 @@ def seat_partners(
         rows = rows[np.argsort(who[rows], kind="stable")]
         policies = [pool.policy(home, partners[index].name) for index in indices]
         agent: Agent = NeuralAgent(policies, mode, index=np.searchsorted(indices, who[rows]))  # type: ignore[arg-type]
-        parties.append(Party(agent if home == layout else mirrored(agent), rows, seats[rows]))
+        names = ", ".join(partners[index].name for index in indices)
+        parties.append(Seated(agent if home == layout else mirrored(agent), names, rows, seats[rows]))
     return parties
 
 

@@ -12,9 +12,10 @@ from overcooked_bench.agents.agent import sample_actions
 from overcooked_bench.agents.policies.neural import Mode, PolicyStack
 from overcooked_bench.agents.policies.policy import Policy
 from overcooked_bench.agents.pools.records import Profile, SeatProfile, SelfPlay
+from overcooked_bench.agents.seated import Seated
 from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.estimate import t_interval
-from overcooked_bench.evaluation.games.play import Party, make_kitchens, play
+from overcooked_bench.evaluation.games.play import make_kitchens, play
 from overcooked_bench.evaluation.games.streams import stream_key
 from overcooked_bench.kitchen.codes import COUNTER, DIRECTIONS, ONION_DISPENSER, POT_IDLE
 from overcooked_bench.kitchen.events import EVENTS
@@ -63,7 +64,7 @@ def measure(
     if episodes < 2:
         raise ValueError(f"episodes={episodes}; give two at least, one has no interval")
     twins, rows = _Twins(policy, mode), np.arange(episodes)
-    party = Party(twins, np.tile(rows, 2), np.repeat(np.arange(2), episodes))
+    party = Seated(twins, "the pair of the same agent", np.tile(rows, 2), np.repeat(np.arange(2), episodes))
     architecture = policy.architecture
     kitchens = make_kitchens(
         architecture.layout,

@@ -15,8 +15,9 @@ from overcooked_bench.agents.policies.neural import PolicyStack
 from overcooked_bench.agents.policies.policy import PolicyError
 from overcooked_bench.agents.pools.lineage import Finding, check_lineages
 from overcooked_bench.agents.pools.pool import Pool, PoolError, find_pool, read_manifest, shipped_pools
+from overcooked_bench.agents.seated import SeatedFault
 from overcooked_bench.agents.threads import one_thread
-from overcooked_bench.evaluation.games.play import PlayFault, make_kitchens, play
+from overcooked_bench.evaluation.games.play import make_kitchens, play
 from overcooked_bench.evaluation.games.roster import TRAINED, Partner, seat_partners
 from overcooked_bench.evaluation.games.streams import stream_key
 from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
@@ -80,7 +81,7 @@ def verify_pool(
         try:
             findings += _compare(pool, layout, horizon)
             played += len(pool.agents(layout))
-        except (PoolError, PolicyError, PlayFault) as error:
+        except (PoolError, PolicyError, SeatedFault) as error:
             findings.append(Finding(True, f"{layout}: {error}"))
         on_progress(layout, done, len(pool.layouts))
     return Verdict(pool, tuple(findings), played)

@@ -5,7 +5,9 @@ import pytest
 
 from overcooked_bench import UnknownLayout, load_agent, play_episodes
 from overcooked_bench.agents import one_game_at_a_time
-from overcooked_bench.evaluation.games.play import PlayFault
+from overcooked_bench.agents.seated import SeatedFault
+
+WHO = "agent 1 (Told)"
 
 
 class Told:
@@ -111,9 +113,9 @@ def test_a_fault_names_the_agent_the_step_and_where_it_can_the_row(act, row, wor
     def late(rows):
         return waiting(rows) if next(steps) < 5 else act(rows)
 
-    with pytest.raises(PlayFault, match=words) as fault:
+    with pytest.raises(SeatedFault, match=words) as fault:
         play_episodes("cramped_room", agents=(Told(waiting), Told(late)), episodes=3, horizon=20)
-    assert (fault.value.party, fault.value.step, fault.value.row) == (1, 5, row)
+    assert (fault.value.who, fault.value.step, fault.value.row) == (WHO, 5, row)
 
 
 def test_answers_may_be_lists_and_tensors():
@@ -147,17 +149,17 @@ def test_of_agents_that_play_one_game_each_the_row_is_named(answer):
             return answer if self is Plays.last else 4
 
     agent = one_game_at_a_time(Plays, observation="features")
-    with pytest.raises(PlayFault) as fault:
+    with pytest.raises(SeatedFault) as fault:
         play_episodes("cramped_room", agents=(Told(waiting), agent), episodes=3)
-    assert (fault.value.party, fault.value.step, fault.value.row) == (1, 0, 2)
+    assert (fault.value.who, fault.value.step, fault.value.row) == ("agent 1 (_OneGameAtATime)", 0, 2)
     copy = pickle.loads(pickle.dumps(fault.value))
-    assert (str(copy), copy.row) == (str(fault.value), 2)
+    assert (str(copy), copy.row, copy.who) == (str(fault.value), 2, fault.value.who)
 
 
 @pytest.mark.parametrize("observation", ["lossless", "stack_channels"])
 def test_an_observation_that_the_kitchen_does_not_have_is_the_agents_fault(observation):
     blind, sees = Told(waiting), Told(waiting)
     blind.observation, sees.observation = observation, "lossless26"
-    with pytest.raises(PlayFault, match="no tomato channels") as fault:
+    with pytest.raises(SeatedFault, match="no tomato channels") as fault:
         play_episodes("XXPXX\nT1 2O\nX   X\nXDXSX", agents=(sees, blind), episodes=1)
-    assert (fault.value.party, fault.value.step) == (1, None)
+    assert (fault.value.who, fault.value.step) == (WHO, None)
