@@ -109,7 +109,8 @@ class Settings:
                 f"minibatches={self.minibatches}; give a divisor of the {rows} steps of {self.learners} in an update"
             )
         seen = find_observation(self.observation)
-        if self.network == "cnn" and len(seen.shape(Layout.load(self.layout))) < 3:
+        known = isinstance(self.layout, str) and self.layout  # a form that is still to be filled in has no layout
+        if self.network == "cnn" and known and len(seen.shape(Layout.load(self.layout))) < 3:
             raise ValueError(f"observation={self.observation!r} is no grid; give network='mlp', or a grid")
         if not self.hidden or min(self.hidden) < 1:
             raise ValueError(f"hidden={self.hidden}; give the width of each layer, from 1")

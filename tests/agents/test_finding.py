@@ -148,7 +148,7 @@ def test_a_changed_agent_is_noticed():
         ("script:fly", "'fly' is no behaviour"),
         ({"does": "fly"}, "'fly' is no behaviour"),
         ({"does": {1, 2}}, "is no behaviour"),
-        ("{does: carry", "is no mapping"),
+        ("{does: carry", "not YAML"),
         ("x" * 300, "no agent named"),
         ("a\0b", "no agent named"),
         ("", "no agent named"),

@@ -114,7 +114,7 @@ def test_a_mistake_is_answered_without_a_traceback(arguments, told, tmp_path, ca
         (["--minibatches", "0"], "minibatches=0; give a number from 1"),
         (["--num-kitchens", "-1"], "num_kitchens=-1; give a number from 1"),
         (["--hidden", "0"], "hidden=(0,); give the width"),
-        (["--observation", "features"], "invalid choice 'features'"),
+        (["--observation", "feature"], "no observation named 'feature'"),
         (["--kitchens", "4"], "--num-kitchens"),
     ],
 )
