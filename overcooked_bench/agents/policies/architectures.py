@@ -1,7 +1,7 @@
-"""The networks that a frozen policy can have: each is described by one JSON object and computes K policies at once.
+"""Networks of frozen policies: each is described by one JSON object and computes K policies at once.
 
-Inputs are the numbers of `Kitchens.observe` as they are: nearly all planes hold zeros and ones, and the few that count
-(contents of pots, remaining cook time) stay as small as the reference encoding has them.
+Inputs are the unscaled numbers of `Kitchens.observe`: nearly all channels hold zeros and ones, and the few that count
+(contents of pots, remaining cook time) are as small as in the reference encoding.
 
 Axes: K policies, R rows of each policy.
 """
@@ -25,12 +25,12 @@ CONVOLUTIONS: Final = ((5, 2), (3, 1), (3, 0))
 
 
 class Architecture(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="architecture"):
-    """What every architecture tells about its policy; subclasses add their network.
+    """Describes a policy; subclasses add their network.
 
     Attributes:
-        observation: What the policy sees, a name of `kitchen.observations.registry.OBSERVATIONS`.
+        observation: The policy's observation, a name of `kitchen.observations.registry.OBSERVATIONS`.
         observation_shape: Shape of one such observation, channels first.
-        layout: The layout it was trained on, as agents are told it.
+        layout: The layout it was trained on, as `reset` names it.
         cooking: The cooking mode it was trained under.
         format: Version of this file format.
     """
@@ -42,7 +42,7 @@ class Architecture(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     format: int = FORMAT
 
     def __post_init__(self) -> None:
-        """Refuses what no network can have.
+        """Checks the values.
 
         Raises:
             ValueError: Names the field.
@@ -53,7 +53,7 @@ class Architecture(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             raise ValueError(f"observation_shape is {list(self.observation_shape)}; give numbers from 1")
 
     def tensor_shapes(self) -> dict[str, tuple[int, ...]]:
-        """Gives the shape of every tensor of the weights file."""
+        """Returns the shape of every tensor of the weights file."""
         raise NotImplementedError
 
     def forward(self, weights: "Mapping[str, torch.Tensor]", inputs: "torch.Tensor") -> "torch.Tensor":
@@ -71,14 +71,14 @@ class Architecture(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     def narrowed(
         self, weights: Mapping[str, NDArray[np.float32]]
     ) -> tuple[Mapping[str, NDArray[np.float32]], NDArray[np.int64] | None]:
-        """Leaves out the inputs that no policy looks at.
+        """Drops the inputs that no policy uses.
 
         Args:
             weights: By name, (K, *shape).
 
         Returns:
-            Weights with which `forward` gives the same (K, R, 6) from inputs (K, R, L), and the indices (L,) of these
-            in the flattened observation; the weights as they are and None where all inputs are needed.
+            Weights with which `forward` returns the same (K, R, 6) from inputs (K, R, L), and the indices (L,) of these
+            in the flattened observation; the unchanged weights and None if all inputs are needed.
         """
         return weights, None
 
@@ -88,7 +88,7 @@ class Mlp(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
 
     Attributes:
         hidden: Width of each hidden layer.
-        activation: After each hidden layer.
+        activation: Activation function after each hidden layer.
     """
 
     hidden: tuple[int, ...] = (128, 128)
@@ -104,7 +104,7 @@ class Mlp(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
         _check_hidden(self.hidden)
 
     def tensor_shapes(self) -> dict[str, tuple[int, ...]]:
-        """Gives `trunk.<i>.weight` (out, in) and `trunk.<i>.bias` (out,) of each layer, then `action.*`."""
+        """Returns `trunk.<i>.weight` (out, in) and `trunk.<i>.bias` (out,) of each layer, then `action.*`."""
         return _dense_shapes(prod(self.observation_shape), self.hidden)
 
     def forward(self, weights: "Mapping[str, torch.Tensor]", inputs: "torch.Tensor") -> "torch.Tensor":
@@ -120,7 +120,7 @@ class Mlp(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
     def narrowed(
         self, weights: Mapping[str, NDArray[np.float32]]
     ) -> tuple[Mapping[str, NDArray[np.float32]], NDArray[np.int64] | None]:
-        """Leaves out the inputs that the first layers of all policies multiply by 0: those that never change, say."""
+        """Drops the inputs that the first layers of all policies multiply by 0, such as those that never change."""
         first = weights["trunk.0.weight"]
         live = np.flatnonzero(first.any((0, 1)))
         if not 0 < len(live) < first.shape[2]:
@@ -131,17 +131,17 @@ class Mlp(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
 class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="cnn"):
     """Three convolutions over the grid, then fully connected layers; leaky ReLU of slope 0.01, torch's own, after each.
 
-    Where past states are stacked (`stack_states`), all states pass the same convolutions. The older ones then pass one
-    small layer, which they share and the current state does not pass; the current state's values and those of the
-    older ones, newest first, are joined.
+    If past states are stacked (`stack_states`), all states pass through the same convolutions. The older ones then pass
+    through one small layer that they share, and the current state does not; the current state's values and those of
+    the older ones, newest first, are concatenated.
 
     Source: Carroll et al. 2019, appendix A (convolutions 5x5, 3x3 and 3x3, the last without padding); thesis, 7.4
-    (the small layer). Neither says the slope or the small layer's width.
+    (the small layer). Neither gives the slope or the small layer's width.
 
     Attributes:
-        filters: Of each convolution.
+        filters: Filters of each convolution.
         hidden: Width of each fully connected layer.
-        previous: Width of the small layer, 16 in the baselines; 0 where no past states are stacked.
+        previous: Width of the small layer, 16 in the baselines; 0 if no past states are stacked.
     """
 
     filters: int = 25
@@ -171,7 +171,7 @@ class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
             )
 
     def tensor_shapes(self) -> dict[str, tuple[int, ...]]:
-        """Gives `conv.<i>.weight` (out, in, k, k) and `.bias`, `previous.*` if any, `trunk.<i>.*` and `action.*`."""
+        """Returns `conv.<i>.weight` (out, in, k, k) and `.bias`, `previous.*` if any, `trunk.<i>.*` and `action.*`."""
         *states, channels, height, width = self.observation_shape
         shapes: dict[str, tuple[int, ...]] = {}
         for i, (size, padding) in enumerate(CONVOLUTIONS):
@@ -187,7 +187,7 @@ class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
     def forward(self, weights: "Mapping[str, torch.Tensor]", inputs: "torch.Tensor") -> "torch.Tensor":
         """Computes K policies at once; see `Architecture.forward`.
 
-        One policy's convolutions after the other's: a grouped convolution is slower here from a few rows on.
+        Convolves policy by policy: a grouped convolution is slower here with more than a few rows.
         """
         import torch
         from torch.nn.functional import leaky_relu
@@ -205,7 +205,7 @@ class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
         return _layer(weights, "action", values)
 
     def _convolve(self, weights: "Mapping[str, torch.Tensor]", inputs: "torch.Tensor") -> "torch.Tensor":
-        """Gives one policy's flattened images: (R, *observation_shape) -> (R S, F H' W') with S states a row."""
+        """Returns one policy's flattened images: (R, *observation_shape) -> (R S, F H' W') with S states per row."""
         from torch.nn.functional import conv2d, leaky_relu
 
         images = inputs.reshape(-1, *self.observation_shape[-3:])
@@ -215,7 +215,7 @@ class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
 
 
 ARCHITECTURES: Final[dict[str, type[Architecture]]] = {"mlp": Mlp, "cnn": Cnn}
-"""The value of `architecture` in the JSON file -> what describes and computes it."""
+"""The value of `architecture` in the JSON file -> its class."""
 
 
 def _check_hidden(hidden: tuple[int, ...]) -> None:

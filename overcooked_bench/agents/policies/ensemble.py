@@ -1,4 +1,4 @@
-"""Agents made of many frozen policies of several architectures, and one whose members change with each episode.
+"""Agents that consist of many frozen policies of several architectures, fixed or sampled for each episode.
 
 Axes: B rows (episodes), P policies.
 """
@@ -18,19 +18,19 @@ from overcooked_bench.agents.policies.policy import Policy
 
 
 class Ensemble:
-    """Frozen policies of one observation and layout on a seat, each playing its own rows.
+    """Frozen policies of one observation and layout, each of which plays its own rows.
 
-    All rows of one architecture are computed in one stacked forward. A row plays as its policy's `NeuralAgent` does,
-    up to rounding.
+    All rows of one architecture are computed in one stacked forward pass. A row plays as its policy's `NeuralAgent`
+    does, up to rounding.
 
     Args:
         policies: One or more.
-        mode: "sample" draws from a policy's distribution, "greedy" takes its likeliest action, the lowest of equals.
+        mode: "sample" draws from a policy's distribution, "greedy" takes its likeliest action, the first one in a tie.
 
     Attributes:
         policies: The policies, in the order of the index.
         mode: How actions are chosen.
-        observation: What the policies see.
+        observation: The policies' observation.
         layout: The layout they were trained on, the only one they play.
 
     Raises:
@@ -70,10 +70,10 @@ class Ensemble:
         return self._members.copy()
 
     def assign(self, index: ArrayLike) -> None:
-        """Says which policy plays which row from the next reset on.
+        """Sets which policy plays which row from the next reset on.
 
         Args:
-            index: (B,) whole numbers from 0 to P - 1, in any order. The forward costs least where all policies that
+            index: (B,) whole numbers from 0 to P - 1, in any order. The forward pass costs least if all policies that
                 occur have equally many rows, in neighbouring groups.
 
         Raises:
@@ -85,8 +85,8 @@ class Ensemble:
         """Starts B new episodes.
 
         Raises:
-            UnknownLayout: Another layout than the policies were trained on.
-            ValueError: `assign` did not deal out this many rows; with a single policy it need not be called.
+            UnknownLayout: The policies were trained on another layout.
+            ValueError: `assign` gave another number of rows; with a single policy it need not be called.
         """
         if layout != self.layout:
             raise UnknownLayout(f"these policies were trained on {self.layout!r} and cannot play {layout!r}")
@@ -100,7 +100,7 @@ class Ensemble:
                 self._playing.append((agent, rows))
 
     def act(self, observations: Any) -> NDArray[np.int64]:
-        """Chooses one action a row.
+        """Chooses one action per row.
 
         Args:
             observations: (B, *observation_shape).
@@ -121,16 +121,16 @@ class Ensemble:
         return actions
 
     def _dealt(self, seeds: NDArray[np.uint64]) -> NDArray[np.int64]:
-        """Gives the policy of each row that is about to start."""
+        """Returns the policy of each row that is about to start."""
         return dealt_rows(self._index, len(self.policies), len(seeds))
 
 
 class JoinedAgents(Ensemble):
-    """Several neural agents as one, each with its own neighbouring rows.
+    """Several neural agents as one, each with a block of adjacent rows.
 
     Args:
-        agents: Of one observation, layout and mode; each keeps its own index, read at every reset.
-        rows: How many rows each of them has.
+        agents: Agents of one observation, layout and mode; each keeps its own index, read at every reset.
+        rows: Number of rows of each agent.
 
     Raises:
         ValueError: Agents of different modes, or what `Ensemble` refuses.
@@ -149,13 +149,13 @@ class JoinedAgents(Ensemble):
 
 
 class SampledPartners(Ensemble):
-    """Frozen policies of which a few, drawn anew at each reset, share out the rows.
+    """Frozen policies of which a few, sampled at each reset, share the rows.
 
-    Who plays depends on the seeds of the reset alone, so that nothing has to be remembered to go on after a pause.
+    The sample depends on the seeds of the reset alone, so no state has to be saved to resume.
 
     Args:
-        policies: Who can be drawn, uniformly and without replacement.
-        per_episode: How many play at a time, in equal neighbouring groups of rows (sizes differ by one at most).
+        policies: The policies to sample from, uniformly and without replacement.
+        per_episode: How many play at a time, in equal groups of adjacent rows (sizes differ by one at most).
         mode: As in `Ensemble`.
 
     Raises:
@@ -171,12 +171,12 @@ class SampledPartners(Ensemble):
         self.per_episode = per_episode
 
     def assign(self, index: ArrayLike) -> None:
-        """Refuses: the seeds of `reset` say who plays.
+        """Refuses: the seeds of `reset` determine who plays.
 
         Raises:
             ValueError: Always.
         """
-        raise ValueError("SampledPartners draws who plays at each reset; to deal out rows yourself use Ensemble")
+        raise ValueError("SampledPartners samples who plays at each reset; to assign rows yourself use Ensemble")
 
     def _dealt(self, seeds: NDArray[np.uint64]) -> NDArray[np.int64]:
         """Draws the members by a hash of all seeds.

@@ -1,4 +1,4 @@
-"""Neural agents: any number of frozen policies of one architecture, all rows of a batch in one stacked forward.
+"""Neural agents: any number of frozen policies of one architecture, all rows of a batch in one stacked forward pass.
 
 Axes: B rows (episodes), K policies, R rows of each policy.
 """
@@ -51,7 +51,7 @@ class PolicyStack:
         policies: One or more; their architectures must be equal.
 
     Attributes:
-        architecture: The one they share.
+        architecture: The architecture that they share.
     """
 
     def __init__(self, policies: Sequence[Policy]) -> None:
@@ -74,10 +74,10 @@ class PolicyStack:
         return self._size
 
     def assign(self, index: ArrayLike) -> "Assignment":
-        """Says which policy plays which row.
+        """Assigns rows to policies.
 
         Args:
-            index: (B,) int, from 0 to K - 1, in any order. The forward costs least where all policies that occur have
+            index: (B,) int, from 0 to K - 1, in any order. The forward pass costs least if all policies that occur have
                 equally many rows.
 
         Raises:
@@ -93,7 +93,7 @@ class PolicyStack:
 
 
 class Assignment:
-    """A stack with the rows dealt out; `PolicyStack.assign` makes it, once for many steps."""
+    """A stack with its rows assigned; `PolicyStack.assign` makes it, once for many steps."""
 
     def __init__(
         self,
@@ -115,7 +115,7 @@ class Assignment:
         self._inputs = torch.zeros(*self._shape, *seen)  # places without a row stay 0
 
     def probabilities(self, observations: NDArray[Any]) -> NDArray[np.float32]:
-        """Computes each row's policy in one forward.
+        """Computes each row's policy in one forward pass.
 
         A row's result depends on its own observation and policy; it may differ in the last bits between batches of
         different numbers of rows.
@@ -139,17 +139,18 @@ class Assignment:
 
 
 class NeuralAgent:
-    """Frozen policies on a seat.
+    """Frozen policies as an agent.
 
     Args:
         policies: One policy, or several of one architecture.
-        mode: "sample" draws from the policy's distribution, "greedy" takes its likeliest action, the lowest of equals.
+        mode: "sample" draws from the policy's distribution, "greedy" takes its likeliest action, the first one in a
+            tie.
         index: (B,) int, which policy plays which row; needed with several policies. `assign` changes it later.
 
     Attributes:
         policies: The policies, in the order of the index.
         mode: How actions are chosen.
-        observation: What the policies see.
+        observation: The policies' observation.
         layout: The layout they were trained on, the only one they play.
     """
 
@@ -166,14 +167,14 @@ class NeuralAgent:
         self._sampler = ActionSampler(np.zeros(0, np.uint64))
 
     def assign(self, index: ArrayLike) -> None:
-        """Says which policy plays which row from the next reset on; `PolicyStack.assign` tells the form."""
+        """Sets which policy plays which row from the next reset on; the index is that of `PolicyStack.assign`."""
         self._index = np.asarray(index)
 
     def reset(self, layout: str, seats: NDArray[np.int64], seeds: NDArray[np.uint64]) -> None:
         """Starts B new episodes.
 
         Raises:
-            UnknownLayout: Another layout than the policies were trained on.
+            UnknownLayout: The policies were trained on another layout.
             ValueError: Several policies and no index of this many rows.
         """
         if layout != self.layout:
@@ -182,7 +183,7 @@ class NeuralAgent:
         self._sampler = ActionSampler(seeds)
 
     def index_for(self, rows: int) -> NDArray[np.int64]:
-        """Tells which policy plays each of so many rows.
+        """Returns which policy plays each of so many rows.
 
         Raises:
             ValueError: Several policies and no index of this many rows.
@@ -190,7 +191,7 @@ class NeuralAgent:
         return dealt_rows(self._index, len(self._stack), rows)
 
     def act(self, observations: Any) -> NDArray[np.int64]:
-        """Chooses one action a row.
+        """Chooses one action per row.
 
         Args:
             observations: (B, *observation_shape).
@@ -208,10 +209,10 @@ class NeuralAgent:
 
 
 def checked_mode(mode: Mode) -> Mode:
-    """Gives the mode back.
+    """Checks and returns a mode.
 
     Raises:
-        ValueError: It is none.
+        ValueError: There is no such mode.
     """
     if mode not in MODES:
         raise ValueError(f"mode is {mode!r}; choose 'sample' or 'greedy'")
@@ -219,14 +220,14 @@ def checked_mode(mode: Mode) -> Mode:
 
 
 def checked_index(index: ArrayLike, policies: int) -> NDArray[np.int64]:
-    """Gives the index back, which says which of so many policies plays which row.
+    """Checks and returns an index, which says which of so many policies plays which row.
 
     Raises:
         ValueError: Not whole numbers, or one out of range.
     """
     rows = np.asarray(index)
     if rows.ndim != 1 or not len(rows) or rows.dtype.kind not in "iu":
-        raise ValueError(f"index is {rows.dtype} of the shape {rows.shape}; give one whole number a row")
+        raise ValueError(f"index is {rows.dtype} of the shape {rows.shape}; give one whole number per row")
     strange = rows[(rows < 0) | (rows >= policies)]
     if len(strange):
         raise ValueError(f"index names the policy {strange[0]}; there are policies 0 to {policies - 1}")
@@ -234,7 +235,7 @@ def checked_index(index: ArrayLike, policies: int) -> NDArray[np.int64]:
 
 
 def dealt_rows(index: NDArray[np.int64] | None, policies: int, rows: int) -> NDArray[np.int64]:
-    """Tells which of so many policies plays each of so many rows: as the index says, or the only policy all of them.
+    """Returns which of so many policies plays each of so many rows: by the index, or the only policy everywhere.
 
     Raises:
         ValueError: Several policies and no index of this many rows.
@@ -244,5 +245,5 @@ def dealt_rows(index: NDArray[np.int64] | None, policies: int, rows: int) -> NDA
             raise ValueError("several policies share this agent; say which plays which row: assign(index)")
         return np.zeros(rows, np.int64)
     if len(index) != rows:
-        raise ValueError(f"{rows} episodes, but assign() dealt out {len(index)} rows")
+        raise ValueError(f"{rows} episodes, but assign() was given {len(index)} rows")
     return index

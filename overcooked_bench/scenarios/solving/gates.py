@@ -168,9 +168,7 @@ def _alone(scenario: Scenario, random_runs: int) -> GateReport:
         witness = entry.witnesses[key]
         runs = [judge(situation, witness.steps, witness.own) for _ in range(2)]
         if not runs[0].passed or runs[0].actions != runs[1].actions:
-            faults.append(
-                f"the shortest solution does not pass in the kitchen from {key}, or differs when it is repeated"
-            )
+            faults.append(f"the shortest solution does not pass in the kitchen from {key}, or differs when repeated")
     played = {situation.id: Item(situation.id, (situation,), scenario.family, ()) for situation in each.values()}
     random = _rates(_scripted("random"), played.values(), random_runs)
     stay = sum(_rates(_scripted("stay"), played.values(), 1))
