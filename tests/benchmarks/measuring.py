@@ -9,7 +9,7 @@ ROUNDS = 200
 
 
 def measure(benchmark: Any, group: str, call: Callable[[], object], joint_steps: int, **facts: object) -> None:
-    """Measures a call that takes microseconds, and notes the joint steps a second that it makes.
+    """Measures a call that takes microseconds, and notes the joint steps per second that it makes.
 
     A round is as many calls as take about two milliseconds, so that on a busy machine some rounds are undisturbed.
 

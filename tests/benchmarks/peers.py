@@ -36,7 +36,7 @@ class Peer:
         python: The interpreter that has it, or None where it is not to be measured.
         kitchens: Numbers of kitchens that it can play at once.
         version: What it said of itself.
-        rates: Joint steps a second of all blocks of steps, by number of kitchens.
+        rates: Joint steps per second of all blocks of steps, by number of kitchens.
     """
 
     name: str
@@ -65,7 +65,7 @@ class Peer:
             self.rates.setdefault(int(kitchens), []).extend(rates)
 
     def rate(self, kitchens: int) -> float | None:
-        """Gives the median rate, or None where it was not measured."""
+        """Returns the median rate, or None where it was not measured."""
         return statistics.median(self.rates[kitchens]) if kitchens in self.rates else None
 
 
@@ -91,7 +91,7 @@ def section(peers: list[Peer], pinned: bool) -> str:
 
 {circumstances(info, get_commit_info(), datetime.now(UTC).isoformat())}
 
-Joint steps a second on cramped_room with both chefs' 26-channel observations of every step, 400 steps an episode,
+Joint steps per second on cramped_room with both chefs' 26-channel observations of every step, 400 steps per episode,
 random actions drawn within the measured time. All in one run, in turns{pinned * ", on one core"}: medians of blocks of
 400 steps, the best block in brackets.
 

@@ -17,11 +17,11 @@ RESULTS = Path(__file__).with_name("RESULTS.md")
 SECTIONS = ("speed", "peers", "return")
 LIBRARIES = ("numpy", "numba", "gymnasium", "stable-baselines3", "torch")
 
-KITCHEN_TARGETS = {  # grid: ratio to a plain copy at 256 and 4096 kitchens, the same hoped for, joint steps a second
+KITCHEN_TARGETS = {  # grid: ratio to a plain copy at 256 and 4096 kitchens, the same hoped for, joint steps per second
     "5x4": (0.18, 0.25, 15e6),
     "9x5": (0.25, 0.35, None),
 }
-CALL_TARGETS = {"gymnasium.make_vec": (6e-6, "at most 6 us a call"), "gymnasium.make": (1 / 300e3, "300,000 steps/s")}
+CALL_TARGETS = {"gymnasium.make_vec": (6e-6, "at most 6 us per call"), "gymnasium.make": (1 / 300e3, "300,000 steps/s")}
 START_TARGETS = {"`import overcooked_bench`": 1.0, "`overcooked-bench --help`": 1.0}
 FIRST_CALL_TARGETS = {"warm": 1.0, "cold": 5.0}
 PARTNER_TARGET = 1.6
@@ -34,7 +34,7 @@ INTRODUCTION = """\
 Measured on the machine named below, with nothing else running where it does not say otherwise; absolute figures vary
 from machine to machine, ratios within one table much less. Medians of many rounds; the best round in brackets.
 
-To repeat it, the tables between the markers being written anew:
+The commands below rewrite the tables between the markers:
 
 ```
 python -m pytest tests/benchmarks -m benchmark -n0 --benchmark-json=speed.json
@@ -66,7 +66,7 @@ def _between(name: str, text: str = "Not measured yet.\n") -> str:
 
 
 def libraries() -> dict[str, str]:
-    """Gives the versions of the libraries that a step goes through."""
+    """Returns the versions of the libraries that a step goes through."""
     return {name: version(name) for name in LIBRARIES}
 
 
@@ -82,7 +82,7 @@ def circumstances(info: Mapping[str, Any], commit: Mapping[str, Any], date: str)
 
 
 def seconds(bench: Mapping[str, Any]) -> tuple[float, float]:
-    """Gives the median and the best time of a call."""
+    """Returns the median and the best time of a call."""
     return bench["stats"]["median"], bench["stats"]["min"]
 
 
@@ -123,7 +123,10 @@ def kitchen_table(benches: Sequence[Mapping[str, Any]]) -> str:
             ]
         )
     return table(
-        ["layout, kitchens", "joint steps/s", "a call", "plain copies/s", "ratio", "ratio to numpy's copy", "targets"],
+        [
+            *("layout, kitchens", "joint steps/s", "per call"),
+            *("plain copies/s", "ratio", "ratio to numpy's copy", "targets"),
+        ],
         rows,
     )
 
@@ -142,7 +145,7 @@ def environment_table(benches: Sequence[Mapping[str, Any]]) -> str:
                 f"{target[1]}: {verdict(median <= target[0])}" if target else "-",
             ]
         )
-    return table(["", "a call", "joint steps/s", "target"], rows)
+    return table(["", "per call", "joint steps/s", "target"], rows)
 
 
 def partner_table(benches: Sequence[Mapping[str, Any]]) -> str:
@@ -156,11 +159,11 @@ def partner_table(benches: Sequence[Mapping[str, Any]]) -> str:
             rows.append([f"{bench['group']}: against stay", *_times(*stay, extra["joint_steps"]), "-"])
             target = f"{ratio:.2f} times stay, at most {PARTNER_TARGET}: {verdict(ratio <= PARTNER_TARGET)}"
         rows.append([named, *_times(median, best, extra["joint_steps"]), target])
-    return table(["", "a call", "joint steps/s", "target"], rows)
+    return table(["", "per call", "joint steps/s", "target"], rows)
 
 
 def training_table(benches: Sequence[Mapping[str, Any]]) -> str:
-    """Joint steps a second of self-play with its updates, and of the networks' passes alone."""
+    """Joint steps per second of self-play with its updates, and of the networks' passes alone."""
     rows = []
     for bench in benches:
         extra, (median, best) = bench["extra_info"], seconds(bench)
@@ -270,7 +273,7 @@ take within it is what they take alone, the rest is loss, shuffling, and clippin
 
 {training_table(kinds["training"])}
 {shares_table(kinds["training"])}
-From the start of the process to its end. Kernels are kept on disk from before (warm) or compiled anew (cold); importing
+From the start of the process to its end. Kernels are cached on disk (warm) or compiled (cold); importing
 numba is part of the first call.
 
 {start_table(kinds["start-up"])}

@@ -1,4 +1,4 @@
-"""Learning in self-play: joint steps a second, the networks alone beside it, and where the time goes."""
+"""Learning in self-play: joint steps per second, the networks alone beside it, and where the time goes."""
 
 import time
 from collections import defaultdict
@@ -53,7 +53,7 @@ class Stopwatch:
         setattr(owner, method, timed)
 
     def read(self) -> dict[str, float]:
-        """Gives the seconds since the last time."""
+        """Returns the seconds since the last time."""
         self.seconds, self._running = dict(self._running), defaultdict(float)
         return self.seconds
 

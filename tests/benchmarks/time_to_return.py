@@ -104,7 +104,7 @@ def spread(values: Sequence[float | None], unit: str, digits: int) -> str:
 
 
 def median(values: Sequence[float | None]) -> float | None:
-    """Gives the median, or None where it is among the runs without a value."""
+    """Returns the median, or None where it is among the runs without a value."""
     found = statistics.median(float("inf") if value is None else value for value in values)
     return None if found == float("inf") else found
 
@@ -153,7 +153,7 @@ brackets. "In all" counts from the start of the process: imports, and what is co
 from an earlier run, as they are after the first one; compiling them takes what the table of fresh processes shows.
 
 {times_table(trainers, goal)}
-Runs that the divergence check began anew count with all that they took.
+Runs that the divergence check restarted count with all their time.
 
 JaxMARL: PPO with the default values of its `ippo_ff` for Overcooked, as our own program over its environment, since its
 wheel has no training scripts; without the logging of the original. Its kitchen starts in fixed cells; ours trains from

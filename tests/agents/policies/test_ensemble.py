@@ -80,7 +80,7 @@ def test_an_ensemble_refuses_what_it_cannot_play(policies, tmp_path):
         ensemble.reset(LAYOUT, np.zeros(2, np.int64), seeds_of(2))
     with pytest.raises(ValueError, match="before reset"):
         ensemble.act(seen(1))
-    for index, named in (([0, 6], "policy 6"), ([-1, 0], "policy -1"), ([0.5], "float64"), ([], "whole number per row")):
+    for index, named in (([0, 6], "policy 6"), ([-1, 0], "policy -1"), ([0.5], "float64"), ([], "number per row")):
         with pytest.raises(ValueError, match=named):
             ensemble.assign(index)
     ensemble.assign([0, 1, 2])

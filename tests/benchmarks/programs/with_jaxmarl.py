@@ -1,4 +1,4 @@
-"""Joint steps a second of JaxMARL's Overcooked on the processor; see `tests/benchmarks/programs/__init__.py`."""
+"""Joint steps per second of JaxMARL's Overcooked on the processor; see `tests/benchmarks/programs/__init__.py`."""
 
 import json
 import os

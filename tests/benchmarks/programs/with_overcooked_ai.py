@@ -1,4 +1,4 @@
-"""Joint steps a second of overcooked-ai 1.1.0, one kitchen; see `tests/benchmarks/programs/__init__.py`."""
+"""Joint steps per second of overcooked-ai 1.1.0, one kitchen; see `tests/benchmarks/programs/__init__.py`."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-"""Joint steps a second of this package; see `tests/benchmarks/programs/__init__.py`."""
+"""Joint steps per second of this package; see `tests/benchmarks/programs/__init__.py`."""
 
 import json
 import sys
