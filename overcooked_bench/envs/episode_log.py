@@ -74,7 +74,7 @@ class EpisodeLog:
                     f"{recorded[i]} when the snapshot was made; set the same partners, whose actions depend only on "
                     "what reset() passes and on what they observe"
                 )
-            kitchens.play(joint, rewards, truncated)
+            kitchens.step_into(joint, rewards, truncated)
             self.note(joint)
 
 

@@ -67,8 +67,8 @@ class ParallelKitchen(ParallelEnv if ParallelEnv else object):  # type: ignore[m
             start=start,
             object_probability=object_probability,
             history=history_for([observation]),
+            autoreset=False,
         )
-        self.kitchens.autoreset = False
         self.possible_agents = list(CHEFS)
         self.agents: list[str] = []
         self.observation_spaces = {chef: observation_space(self.kitchens, observation) for chef in CHEFS}

@@ -87,10 +87,10 @@ class OvercookedVecEnv(VecEnv):
             object_probability=object_probability,
             events=self._event_weights is not None,
             history=history_for([observation, *(self._partners.observations if self._partners else ())]),
+            autoreset=False,
         )
         if self._partners:
             self._partners.fit(self.kitchens)
-        self.kitchens.autoreset = False
         self._observation = observation
         self._shaping = float(shaping)
         self._num_kitchens = num_envs

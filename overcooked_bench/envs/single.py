@@ -149,8 +149,8 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
             start=start,
             object_probability=object_probability,
             history=history_for([observation, self._partner.observation if self._partner else ""]),
+            autoreset=False,
         )
-        self.kitchens.autoreset = False
         if self._partner:
             self._partner.fit(self.kitchens)
         self.action_space = action_space()
@@ -212,7 +212,7 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
             ) from None
         if self._partner:
             self._joint[0, 1 - seat] = self._partner.act(Views(self.kitchens, self._partner.seats).of(self._partner))[0]
-        over = self.kitchens.play(self._joint, self._rewards, self._truncated)
+        over = self.kitchens.step_into(self._joint, self._rewards, self._truncated)
         soup = self._rewards.item(0) + self._rewards.item(1)
         partial = self._rewards.item(2 + seat)
         return (

@@ -97,8 +97,8 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
             start=start,
             object_probability=object_probability,
             history=history_for([observation, self._partner.observation if self._partner else ""]),
+            autoreset=False,
         )
-        self.kitchens.autoreset = False
         if self._partner:
             self._partner.fit(self.kitchens)
         self.num_envs = num_envs
@@ -199,7 +199,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
             views = Views(self.kitchens, self._partner.seats)
             self._flat_joint[self._rows ^ 1] = self._partner.act(views.of(self._partner))
         truncated = np.empty(self.num_envs, np.bool_)
-        over = self.kitchens.play(self._joint, self._rewards, truncated)
+        over = self.kitchens.step_into(self._joint, self._rewards, truncated)
         soup = self._soup_0 + self._soup_1
         partial = self._partial[self._rows]
         reward = soup + self._shaping * partial if self._shaping else soup.copy()

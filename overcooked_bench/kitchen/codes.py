@@ -7,6 +7,9 @@ Source: actions, directions and recipes follow overcooked_ai (`mdp/actions.py`, 
 
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 Recipe = tuple[int, int]
 """The content of a pot or soup: (onions, tomatoes)."""
 
@@ -66,6 +69,24 @@ TILE_NAMES: Final = {
     "S": "serving tile",
     "P": "pot",
 }
+
+
+# What a chef did in one step, as bits above which the item it was about is written.
+POTTED: Final = 1  # put an ingredient into a pot
+PLATED: Final = 2  # took a soup out of a pot
+SERVED: Final = 4  # delivered a soup
+TOOK_DISH: Final = 8  # took a dish out of a dispenser, which is also TOOK
+STARTED: Final = 16  # made a pot cook
+TOOK: Final = 32  # took something out of a dispenser
+PICKED_UP: Final = 64  # took something from a counter
+PUT_DOWN: Final = 128  # put something on a counter
+BLOCKED: Final = 256  # wanted to walk to a floor cell and was kept out of it by the other chef
+DONE_BITS: Final = 9
+
+
+def item_of(taken: NDArray[np.uint16]) -> NDArray[np.uint16]:
+    """Returns the code of the item that each thing done was about: what was taken, or else what was given away."""
+    return taken >> np.uint16(DONE_BITS)
 
 
 def is_pot(code: int) -> bool:

@@ -17,7 +17,7 @@ from overcooked_bench.kitchen.events import EVENTS
 from overcooked_bench.kitchen.image import paint_kitchen
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.observations.registry import find_observation
-from overcooked_bench.kitchen.rules import step_kitchens
+from overcooked_bench.kitchen.rules import step_and_note, step_kitchens
 from overcooked_bench.kitchen.starts import STARTS, fill_kitchens, start_kitchens, stream_keys
 from overcooked_bench.kitchen.state import KitchenState
 from overcooked_bench.kitchen.tables import Tables, compile_tables
@@ -33,12 +33,16 @@ class StepResult(NamedTuple):
         partial_reward: (N, 2) float64, 3 / 3 / 5 points, for the chef who earned them.
         truncated: (N,) bool, the horizon is reached.
         events: (N, 2, 25) bool in the order of `EVENTS`, or None where they were not asked for.
+        actions_taken: (N, 2) uint16, what each chef did, or None where it was not asked for: one of the bits `POTTED`,
+            `PLATED`, `SERVED`, `STARTED`, `TOOK` (with `TOOK_DISH` for a dish), `PICKED_UP`, `PUT_DOWN` and `BLOCKED`
+            of `codes`, or 0; `codes.item_of` reads the item that it was about.
     """
 
     soup_reward: NDArray[np.float64]
     partial_reward: NDArray[np.float64]
     truncated: NDArray[np.bool_]
     events: NDArray[np.bool_] | None
+    actions_taken: NDArray[np.uint16] | None
 
 
 class Kitchens:
@@ -52,10 +56,9 @@ class Kitchens:
         start: "random" or "standard".
         object_probability: Chance of each pot and each pair of hands to be filled at the start.
         events: Whether `StepResult.events` is wanted.
+        actions_taken: Whether `StepResult.actions_taken` is wanted.
         history: Past states to keep; stacked observations need 3.
-
-    Attributes:
-        autoreset: Whether a kitchen that reaches its horizon starts anew within the same step; true by default.
+        autoreset: Whether a kitchen that reaches its horizon starts a new episode within the same step.
     """
 
     def __init__(
@@ -68,7 +71,9 @@ class Kitchens:
         start: str = "random",
         object_probability: float = 0.0,
         events: bool = False,
+        actions_taken: bool = False,
         history: int = 0,
+        autoreset: bool = True,
     ) -> None:
         self.layout = Layout.load(layout)
         self.cooking = cooking
@@ -86,12 +91,13 @@ class Kitchens:
         self.horizon = int(horizon)
         self.start = start
         self.object_probability = float(object_probability)
-        self.autoreset = True
+        self.autoreset = autoreset
         self.batch = Batch(num_kitchens, len(self.tables.fresh), len(self.tables.pots))
         self._frames: dict[str, _Frame] = {}
-        self._events = events
+        self._notes = ("events",) * events + ("actions_taken",) * actions_taken
         tables = self.tables
-        self._step_tables = (tables.ways, tables.outcomes, tables.by_code, tables.payments, tables.pots)
+        batch, step_tables = self.batch, (tables.ways, tables.outcomes, tables.by_code, tables.payments, tables.pots)
+        self._world = (batch.rows, batch.clock, batch.image, *step_tables, self.horizon)
         self._both = np.tile(np.arange(2), (num_kitchens, 1))
         self._everyone = np.ones(num_kitchens, np.bool_)
         self._past = Past(self.batch, history) if history else None
@@ -152,7 +158,7 @@ class Kitchens:
             actions: (N, 2) ints: 0 north, 1 south, 2 east, 3 west, 4 stay, 5 interact.
 
         Returns:
-            Rewards, truncation and events; a truncated kitchen has already been reset unless `autoreset` is off.
+            What the step brought; a truncated kitchen has already been reset unless `autoreset` is off.
 
         Raises:
             ValueError: Actions of a wrong shape, type or range, or a kitchen that is over; nothing was played then.
@@ -160,17 +166,20 @@ class Kitchens:
         n, joint = self.num_kitchens, np.asarray(actions)
         if joint.dtype != _INT64 or joint.shape != (n, 2) or not joint.flags.c_contiguous:
             joint = self._checked(joint)
-        rewards, truncated = np.empty((2, n, 2)), np.empty(n, np.bool_)
-        events = np.zeros((n, 2, len(EVENTS)), np.bool_) if self._events else None
-        self.play(joint, rewards, truncated, events)
-        return StepResult(rewards[0], rewards[1], truncated, events if self._events else None)
+        rewards, truncated, events, taken = np.empty((2, n, 2)), np.empty(n, np.bool_), None, None
+        if self._notes:
+            events = np.zeros((n, 2, len(EVENTS)), np.bool_) if "events" in self._notes else None
+            taken = np.empty((n, 2), np.uint16) if "actions_taken" in self._notes else None
+        self.step_into(joint, rewards, truncated, events, taken)
+        return StepResult(rewards[0], rewards[1], truncated, events, taken)
 
-    def play(
+    def step_into(
         self,
         actions: NDArray[np.int64],
         rewards: NDArray[np.float64],
         truncated: NDArray[np.bool_],
         events: NDArray[np.bool_] | None = None,
+        taken: NDArray[np.uint16] | None = None,
     ) -> int:
         """Does what `step` does, into the caller's arrays, whose shapes and types are not checked.
 
@@ -179,6 +188,7 @@ class Kitchens:
             rewards: (2, N, 2) float64, contiguous, written: soup rewards, then partial rewards.
             truncated: (N,) bool, written.
             events: (N, 2, 25) bool of zeros, written; by default they are not wanted.
+            taken: (N, 2) uint16, written as `StepResult.actions_taken`; by default it is not wanted.
 
         Returns:
             How many kitchens have reached the horizon.
@@ -186,22 +196,12 @@ class Kitchens:
         Raises:
             ValueError: Actions out of range, or a kitchen that is over; nothing was played then.
         """
-        batch = self.batch
         if self._past:
-            self._past.remember(batch)
-        fault, over = step_kitchens(
-            *(
-                batch.rows,
-                batch.clock,
-                batch.image,
-                *self._step_tables,
-                self.horizon,
-                actions,
-                rewards,
-                truncated,
-                events,
-            )
-        )
+            self._past.remember(self.batch)
+        if events is None and taken is None:
+            fault, over = step_kitchens(*self._world, actions, rewards, truncated)
+        else:
+            fault, over = step_and_note(*self._world, actions, rewards, truncated, events, taken)
         if fault >= 0:
             self._raise_fault(fault, actions)
         if self._past:

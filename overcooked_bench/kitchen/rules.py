@@ -13,23 +13,33 @@ from numpy.typing import NDArray
 from overcooked_bench.kitchen import codes
 from overcooked_bench.kitchen.batch import CELLS, FACING, HELD, POSITION
 from overcooked_bench.kitchen.codes import (
+    BLOCKED,
     COUNTER,
     DISH,
     DISH_DISPENSER,
+    DONE_BITS,
     INTERACT,
     MAX_INGREDIENTS,
     NOTHING,
     ONION,
     ONION_DISPENSER,
+    PICKED_UP,
+    PLATED,
     POT_COOKING,
     POT_IDLE,
     POT_READY,
+    POTTED,
+    PUT_DOWN,
     RECIPES,
+    SERVED,
     SERVING,
     SOUP,
+    STARTED,
     STAY,
     TOMATO,
     TOMATO_DISPENSER,
+    TOOK,
+    TOOK_DISH,
 )
 from overcooked_bench.kitchen.events import record_interaction
 from overcooked_bench.kitchen.image import (
@@ -45,9 +55,6 @@ COOKING_MODES: Final = ("auto", "manual")
 POTTING_REWARD: Final = 3.0
 USEFUL_DISH_REWARD: Final = 3.0
 PLATING_REWARD: Final = 5.0
-
-# What an interaction did besides changing the faced cell and the hands.
-POTTED, PLATED, SERVED, TOOK_DISH, STARTED = 1, 2, 4, 8, 16
 
 FIRST_OF_THREE: Final = next(k for k, recipe in enumerate(RECIPES) if sum(recipe) == MAX_INGREDIENTS)
 
@@ -73,18 +80,18 @@ def interact(cell: int, held: int, cooking: str) -> tuple[int, int, int]:
         cooking: "auto" or "manual".
 
     Returns:
-        The faced cell's new code, the new item in the hands, and flags of what was done.
+        The faced cell's new code, the new item in the hands, and what was done as bits (`POTTED` and so on).
 
     Source: overcooked_ai (`OvercookedGridworld.resolve_interacts`).
     """
     empty_handed = held == NOTHING
     if COUNTER <= cell < ONION_DISPENSER:
         on_counter = cell - COUNTER
-        if empty_handed or on_counter == NOTHING:
-            return COUNTER + held, on_counter, 0
+        if empty_handed != (on_counter == NOTHING):
+            return COUNTER + held, on_counter, PICKED_UP if empty_handed else PUT_DOWN
     elif cell in (ONION_DISPENSER, TOMATO_DISPENSER, DISH_DISPENSER) and empty_handed:
         item = {ONION_DISPENSER: ONION, TOMATO_DISPENSER: TOMATO, DISH_DISPENSER: DISH}[cell]
-        return cell, item, TOOK_DISH if item == DISH else 0
+        return cell, item, TOOK | TOOK_DISH if item == DISH else TOOK
     elif cell == SERVING and held > SOUP:
         return cell, NOTHING, SERVED
     elif codes.is_pot(cell):
@@ -142,12 +149,12 @@ def dish_is_useful(row: NDArray[np.uint16], num_cells: int, wanting: int) -> boo
 
 
 @jit
-def step_kitchens(  # noqa: C901 (the whole step in one place, and one compiled function)
+def _step(  # noqa: C901 (the whole step in one place, and one compiled function)
     rows: NDArray[np.uint16],
     clock: NDArray[np.int64],
     image: NDArray[np.uint8],
     ways: NDArray[np.uint16],
-    outcomes: NDArray[np.uint16],
+    outcomes: NDArray[np.uint32],
     by_code: NDArray[np.uint8],
     payments: NDArray[np.float64],
     pots: NDArray[np.uint16],
@@ -156,28 +163,9 @@ def step_kitchens(  # noqa: C901 (the whole step in one place, and one compiled 
     rewards: NDArray[np.float64],
     truncated: NDArray[np.bool_],
     events: NDArray[np.bool_] | None,
+    taken: NDArray[np.uint16] | None,
 ) -> tuple[int, int]:
-    """Plays one joint action in each of N kitchens: chef 0 interacts, then chef 1, both move, then the pots cook.
-
-    Args:
-        rows: The batch, changed in place, with `clock` and `image`.
-        clock: See `Batch`.
-        image: See `Batch`.
-        ways: The layout's tables, see `Tables`, with `outcomes`, `by_code`, `payments` and `pots`.
-        outcomes: See `Tables`.
-        by_code: See `Tables`.
-        payments: See `Tables`.
-        pots: See `Tables`.
-        horizon: Steps of an episode.
-        actions: (N, 2) ints.
-        rewards: (2, N, 2) float64, written: [0] points of each chef's delivery, [1] each chef's partial rewards.
-        truncated: (N,) bool, written.
-        events: (N, 2, 25) bool of zeros, written; None where they are not wanted, which compiles to less.
-
-    Returns:
-        The first kitchen that cannot be stepped, or -1, and how many kitchens are over now. Where one cannot be
-        stepped (a wrong action, or it is over), nothing was done.
-    """
+    """Does what `step_and_note` says; what is None is not written, and compiles to nothing."""
     for i in range(rows.shape[0]):
         a, b = actions[i, 0], actions[i, 1]
         if clock[i] >= horizon or a < 0 or a > INTERACT or b < 0 or b > INTERACT:
@@ -189,6 +177,8 @@ def step_kitchens(  # noqa: C901 (the whole step in one place, and one compiled 
         for chef in range(2):
             rewards[0, i, chef] = 0.0
             rewards[1, i, chef] = 0.0
+            if taken is not None:
+                taken[i, chef] = 0
             ahead = ways[row[POSITION + chef], AHEAD + row[FACING + chef]]
             code, item = row[CELLS + ahead], row[HELD + chef]
             outcome = outcomes[code, item]
@@ -204,6 +194,8 @@ def step_kitchens(  # noqa: C901 (the whole step in one place, and one compiled 
                     *(events[i, chef], code, new_code, item, new_item, full == num_pots, full == 0),
                     *(row[HELD + 1 - chef], useful, payments[1]),
                 )
+            if taken is not None:
+                taken[i, chef] = done | (item if new_item == NOTHING else new_item) << DONE_BITS
             if done & POTTED:
                 rewards[1, i, chef] = POTTING_REWARD
             elif done & PLATED:
@@ -224,6 +216,8 @@ def step_kitchens(  # noqa: C901 (the whole step in one place, and one compiled 
                 paint_cell(picture, num_cells, ahead, new_code, 0, by_code)
                 if chef == 0:
                     changed, code_before = ahead, code
+        if taken is not None:
+            note_blocked(row, ways, actions[i, 0], actions[i, 1], taken[i])
         _move(row, picture, num_cells, ways, by_code, actions[i, 0], actions[i, 1])
         for p in range(num_pots):
             code = row[CELLS + pots[p]]
@@ -249,6 +243,20 @@ def step_kitchens(  # noqa: C901 (the whole step in one place, and one compiled 
 
 
 @jit
+def note_blocked(
+    row: NDArray[np.uint16], ways: NDArray[np.uint16], action_0: int, action_1: int, taken: NDArray[np.uint16]
+) -> None:
+    """Notes which chefs are about to be kept from walking by the other one, in `taken`, (2,) uint16."""
+    old_0, old_1 = row[POSITION], row[POSITION + 1]
+    new_0, new_1 = ways[old_0, WANTED + action_0], ways[old_1, WANTED + action_1]
+    if new_0 == new_1 or (new_0 == old_1 and new_1 == old_0):
+        if new_0 != old_0:
+            taken[0] = BLOCKED
+        if new_1 != old_1:
+            taken[1] = BLOCKED
+
+
+@jit
 def _move(
     row: NDArray[np.uint16],
     picture: NDArray[np.uint8],
@@ -271,3 +279,88 @@ def _move(
     paint_hand(picture, num_cells, old_1, NOTHING, by_code)
     paint_hand(picture, num_cells, row[POSITION], row[HELD], by_code)
     paint_hand(picture, num_cells, row[POSITION + 1], row[HELD + 1], by_code)
+
+
+@jit
+def step_kitchens(
+    rows: NDArray[np.uint16],
+    clock: NDArray[np.int64],
+    image: NDArray[np.uint8],
+    ways: NDArray[np.uint16],
+    outcomes: NDArray[np.uint32],
+    by_code: NDArray[np.uint8],
+    payments: NDArray[np.float64],
+    pots: NDArray[np.uint16],
+    horizon: int,
+    actions: NDArray[np.int64],
+    rewards: NDArray[np.float64],
+    truncated: NDArray[np.bool_],
+) -> tuple[int, int]:
+    """Plays one joint action in each of N kitchens: chef 0 interacts, then chef 1, both move, then the pots cook.
+
+    Args:
+        rows: (N, 6 + C + P) uint16, the batch, changed in place, with `clock` and `image`; see `Batch`.
+        clock: (N,) int64.
+        image: (N, 26 * C) uint8.
+        ways: (C, 10) uint16, the layout's tables, see `Tables`, with the four that follow.
+        outcomes: (64, 16) uint32.
+        by_code: (64, 11) uint8.
+        payments: (2, 16) float64.
+        pots: (P,) uint16.
+        horizon: Steps per episode.
+        actions: (N, 2) int64.
+        rewards: (2, N, 2) float64, written: [0] points of each chef's delivery, [1] each chef's partial rewards.
+        truncated: (N,) bool, written.
+
+    Returns:
+        The first kitchen that cannot be stepped, or -1, and how many kitchens are over now. Where one cannot be
+        stepped (a wrong action, or it is over), nothing was done.
+    """
+    return _step(
+        *(rows, clock, image, ways, outcomes, by_code, payments, pots),
+        *(horizon, actions, rewards, truncated, None, None),
+    )
+
+
+@jit
+def step_and_note(
+    rows: NDArray[np.uint16],
+    clock: NDArray[np.int64],
+    image: NDArray[np.uint8],
+    ways: NDArray[np.uint16],
+    outcomes: NDArray[np.uint32],
+    by_code: NDArray[np.uint8],
+    payments: NDArray[np.float64],
+    pots: NDArray[np.uint16],
+    horizon: int,
+    actions: NDArray[np.int64],
+    rewards: NDArray[np.float64],
+    truncated: NDArray[np.bool_],
+    events: NDArray[np.bool_] | None,
+    taken: NDArray[np.uint16] | None,
+) -> tuple[int, int]:
+    """Plays as `step_kitchens`, whose arguments come first, and notes what the chefs did.
+
+    Args:
+        rows: See `step_kitchens`, like the eleven that follow.
+        clock: See there.
+        image: See there.
+        ways: See there.
+        outcomes: See there.
+        by_code: See there.
+        payments: See there.
+        pots: See there.
+        horizon: See there.
+        actions: See there.
+        rewards: See there.
+        truncated: See there.
+        events: (N, 2, 25) bool of zeros, written in the order of `EVENTS`; None where they are not wanted.
+        taken: (N, 2) uint16, written: what each chef did, see `StepResult.actions_taken`; None where not wanted.
+
+    Returns:
+        See `step_kitchens`.
+    """
+    return _step(
+        *(rows, clock, image, ways, outcomes, by_code, payments, pots),
+        *(horizon, actions, rewards, truncated, events, taken),
+    )

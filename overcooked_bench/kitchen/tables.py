@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.kitchen import codes
+from overcooked_bench.kitchen.batch import FACING, HELD, POSITION
 from overcooked_bench.kitchen.codes import (
     FLOOR,
     MAX_INGREDIENTS,
@@ -37,7 +38,7 @@ class Tables(NamedTuple):
 
     Attributes:
         ways: (C, 10) uint16  for a floor cell: the cell ahead by facing (4), the wanted cell by action (6)
-        outcomes: (64, 16) uint16  by faced cell code and held item: new cell code, new held item and what was done
+        outcomes: (64, 16) uint32  by faced cell code and held item: new cell code, new held item and what was done
         by_code: (64, 11) uint8  by cell code: channels 16 to 24, whether a pot starts by itself, its cook time
         payments: (2, 16) float64  points for serving a held item; best payment reachable from a pot's recipe index
         pots: (P,) uint16  cells
@@ -50,7 +51,7 @@ class Tables(NamedTuple):
     """
 
     ways: NDArray[np.uint16]
-    outcomes: NDArray[np.uint16]
+    outcomes: NDArray[np.uint32]
     by_code: NDArray[np.uint8]
     payments: NDArray[np.float64]
     pots: NDArray[np.uint16]
@@ -60,6 +61,10 @@ class Tables(NamedTuple):
     standard: NDArray[np.uint16]
     orders: NDArray[np.uint16]
     background: NDArray[np.uint8]
+
+    def faced(self, rows: NDArray[np.uint16]) -> NDArray[np.uint16]:
+        """Returns the cell that each chef faces, (N, 2), in N kitchens' rows as in `Batch`."""
+        return self.ways[rows[:, POSITION:FACING], AHEAD + rows[:, FACING:HELD]]
 
 
 def compile_tables(layout: Layout, cooking: str) -> Tables:
@@ -83,7 +88,7 @@ def compile_tables(layout: Layout, cooking: str) -> Tables:
             ways[cell, AHEAD + direction] = ahead
             if fresh[ahead] == FLOOR:
                 ways[cell, WANTED + direction] = ahead
-    outcomes = np.zeros((1 << CELL_BITS, 1 << ITEM_BITS), np.uint16)
+    outcomes = np.zeros((1 << CELL_BITS, 1 << ITEM_BITS), np.uint32)
     for cell in range(NUM_CELL_CODES):
         for held in range(NUM_ITEMS):
             new_cell, new_held, done = interact(cell, held, cooking)

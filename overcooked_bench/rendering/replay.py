@@ -64,8 +64,7 @@ def frames_of(
             f"{len(joint)} joint actions from step {state.timestep} go beyond the horizon of {horizon}; "
             "give the horizon the episode was played with"
         )
-    kitchens = Kitchens(layout, 1, cooking=cooking, horizon=horizon)
-    kitchens.autoreset = False
+    kitchens = Kitchens(layout, 1, cooking=cooking, horizon=horizon, autoreset=False)
     kitchens.set_state(0, state)
     points = 0.0
     yield kitchens.state(0), points

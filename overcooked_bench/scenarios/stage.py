@@ -55,9 +55,14 @@ class Stage:
         first, n = parts[0].situation, len(parts) * repeats
         self.parts, self.repeats = tuple(parts), repeats
         self.kitchens = Kitchens(
-            first.layout, n, cooking=first.scenario.cooking, horizon=HORIZON, start="random", history=history
+            *(first.layout, n),
+            cooking=first.scenario.cooking,
+            horizon=HORIZON,
+            start="random",
+            actions_taken=True,
+            history=history,
+            autoreset=False,
         )
-        self.kitchens.autoreset = False
         for row in range(n):
             part = self.parts[row // repeats]
             self.kitchens.set_state(row, part.situation.first_state(part.budget))
@@ -89,16 +94,17 @@ class Stage:
         joint[self._everybody, 1 - self.seats] = STAY
         for index in range(len(self.parts)):
             self._partners(index, joint)
-        before = self.kitchens.batch.rows.copy()
         self.actions[self.step] = joint
-        truncated = self.kitchens.step(joint).truncated
+        result = self.kitchens.step(joint)
         counted = self.step >= self._preludes
-        gained = count_step(self._counters, self.seats, self.kitchens.tables, before, self.kitchens.batch.rows, joint)
+        assert result.actions_taken is not None
+        rows, tables = self.kitchens.batch.rows, self.kitchens.tables
+        gained = count_step(self._counters, self.seats, tables, rows, result.actions_taken)
         self._counts += np.where(counted[:, None], gained, 0)
         self.step += 1
         self._judge()
-        if truncated.any() and not self.over:
-            self.kitchens.reset(mask=truncated)  # its run is decided; it goes on so that the others can
+        if result.truncated.any() and not self.over:
+            self.kitchens.reset(mask=result.truncated)  # its run is decided; it goes on so that the others can
 
     def truth(self, row: int, conditions: Sequence[object]) -> list[bool]:
         """Says which conditions hold in a row now."""

@@ -35,8 +35,8 @@ def stage(
     first: Chef, second: Chef, objects: Any = None, cooking: str = "auto", grid: str = GRID, **menu: Any
 ) -> Kitchens:
     """One kitchen with the chefs and things where they are wanted."""
-    kitchens = Kitchens(Layout.from_text(grid, **menu), 1, cooking=cooking, events=True)
-    kitchens.autoreset = False
+    options = {"events": True, "actions_taken": True, "autoreset": False}
+    kitchens = Kitchens(Layout.from_text(grid, **menu), 1, cooking=cooking, **options)
     kitchens.set_state(0, KitchenState((first, second), objects or {}))
     return kitchens
 

@@ -84,7 +84,7 @@ def test_a_menu_that_is_not_legal_is_told(options, message):
 
 def test_files_that_are_no_layouts_are_told(tmp_path):
     (tmp_path / "a.layout").write_text(GRID + "\n---\norders: [\n")
-    with pytest.raises(LayoutError, match="no YAML"):
+    with pytest.raises(LayoutError, match="not YAML"):
         Layout.load(tmp_path / "a.layout")
     (tmp_path / "b.layout").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(LayoutError, match="not a text file"):

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from overcooked_bench import Kitchens
 from tests.kitchen.strategies import COOKING, SEEDS, joint_actions, law, layouts, states
 
-OPTIONS = {"start": "random", "object_probability": 0.5, "horizon": 11, "events": True}
+OPTIONS = {"start": "random", "object_probability": 0.5, "horizon": 11, "events": True, "actions_taken": True}
 
 
 def all_states(kitchens: Kitchens) -> list:

@@ -27,7 +27,7 @@ def run(script: str | Path, *arguments: str | Path, **environment: str) -> str:
 
 def test_plain_python_plays_the_same_games(tmp_path):
     ours, out = tracing.trace(), tmp_path / "trace.npz"
-    for key in ("partial_reward", "soup_reward", "truncated", "events"):
+    for key in ("partial_reward", "soup_reward", "truncated", "events", "actions_taken"):
         for cooking in ("auto", "manual"):
             found = [values.any() for name, values in ours.items() if name.endswith(f"{cooking} {key}")]
             assert len(found) == 3

@@ -30,8 +30,8 @@ def trace() -> dict[str, np.ndarray]:
         ("mixed", Layout.from_text(MIXED, **MENU)),
     ):
         for cooking in ("auto", "manual"):
-            options = {"horizon": HORIZON, "start": "random", "object_probability": 0.7, "events": True, "history": 3}
-            kitchens = Kitchens(layout, KITCHENS, cooking=cooking, **options)
+            options = {"horizon": HORIZON, "start": "random", "object_probability": 0.7, "history": 3}
+            kitchens = Kitchens(layout, KITCHENS, cooking=cooking, events=True, actions_taken=True, **options)
             kitchens.reset(seed=9)
             views = [
                 "lossless26",

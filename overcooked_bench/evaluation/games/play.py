@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from overcooked_bench.agents.saying import kind_of
 from overcooked_bench.agents.seated import Seated, Views
 from overcooked_bench.evaluation.games.streams import stream_key
+from overcooked_bench.kitchen.codes import SERVED
 from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.observations.registry import history_for
@@ -30,7 +31,7 @@ class Games(NamedTuple):
         actions: (T, N, 2) uint8, joint actions.
         soup_reward: (N, 2) float64, points of each chef.
         partial_reward: (N, 2) float64, points of each chef.
-        soups: (N, 2) int64, paid deliveries of each chef.
+        soups: (N, 2) int64, deliveries of each chef, paid or not.
     """
 
     starts: list[KitchenState]
@@ -100,8 +101,9 @@ def play_episodes(
 
 
 def make_kitchens(layout: str | Path | Layout, rows: int, parties: Sequence[Seated], **settings: Any) -> Kitchens:
-    """Makes kitchens for these agents: with a memory where one of them looks back."""
-    return Kitchens(layout, rows, history=history_for(party.observation for party in parties), **settings)
+    """Makes the kitchens that `play` needs for these agents, with the past that one of them may look back at."""
+    history = history_for(party.observation for party in parties)
+    return Kitchens(layout, rows, history=history, actions_taken=True, autoreset=False, **settings)
 
 
 def play(
@@ -113,7 +115,7 @@ def play(
     """Plays one episode in every kitchen, from the states that they are in, to the horizon.
 
     Args:
-        kitchens: Just reset; over afterwards.
+        kitchens: Of `make_kitchens`, just reset; over afterwards.
         parties: Together they sit on every seat of every kitchen once.
         seeds: (N, 2) uint64, the random stream of the agent on each seat.
         watch: Called after each step with the kitchens, as they are then, and what the step brought.
@@ -124,7 +126,6 @@ def play(
         UnknownLayout: An agent cannot play this layout.
     """
     n, horizon = kitchens.num_kitchens, kitchens.horizon
-    kitchens.autoreset = False
     for party in parties:
         party.reset(kitchens.layout.name, seeds[party.rows, party.seats])
         party.fit(kitchens)
@@ -140,7 +141,8 @@ def play(
         result = kitchens.step(joint)
         soup_reward += result.soup_reward
         partial_reward += result.partial_reward
-        soups += result.soup_reward > 0
+        assert result.actions_taken is not None
+        soups += result.actions_taken & SERVED != 0
         if watch:
             watch(kitchens, result)
     return Games(starts, actions, soup_reward, partial_reward, soups)

@@ -17,13 +17,19 @@ from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.estimate import t_interval
 from overcooked_bench.evaluation.games.play import make_kitchens, play
 from overcooked_bench.evaluation.games.streams import stream_key
-from overcooked_bench.kitchen.codes import COUNTER, DIRECTIONS, ONION_DISPENSER, POT_IDLE
-from overcooked_bench.kitchen.events import EVENTS
+from overcooked_bench.kitchen.codes import PICKED_UP, PLATED, POTTED, PUT_DOWN, SERVED
 from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
 
 EPISODES: Final = 100
-_POTTINGS: Final = ("onion", "tomato")
-_THINGS: Final = ("onion", "tomato", "dish", "soup")
+_COUNTED: Final = {
+    "pots": POTTED,
+    "plates": PLATED,
+    "deliveries": SERVED,
+    "counter_drops": PUT_DOWN,
+    "counter_pickups": PICKED_UP,
+}
+"""Counts of `SeatProfile` -> the bit of `StepResult.actions_taken`."""
+_BITS: Final = np.array(list(_COUNTED.values()), np.uint16)[:, None, None]
 
 
 class Measured(NamedTuple):
@@ -73,7 +79,6 @@ def measure(
         cooking=architecture.cooking,
         start=start,
         horizon=horizon,
-        events=True,
     )
     kitchens.reset(seed=np.array([stream_key("profile", seed, i, "start") for i in range(episodes)], np.uint64))
     streams = [[stream_key("profile", seed, i, seat) for seat in range(2)] for i in range(episodes)]
@@ -117,44 +122,23 @@ class _Twins:
 
 
 class Deeds:
-    """Counts what chefs do; `watch` is called after each step of kitchens that report events.
+    """Counts what chefs do; `watch` is called after each step of kitchens that say what was done.
 
     Args:
         episodes: E.
     """
 
     def __init__(self, episodes: int) -> None:
-        self._counts = np.zeros((5, episodes, 2), np.int64)
-        self._of = {event: index for index, event in enumerate(EVENTS)}
-        self._ahead: NDArray[np.int64] | None = None
+        self._counts = np.zeros((len(_COUNTED), episodes, 2), np.int64)
 
     def watch(self, kitchens: Kitchens, result: StepResult) -> None:
-        """Takes a step in; who interacts stays where they are, so what they faced is what they face now."""
-        assert result.events is not None
-        if self._ahead is None:
-            self._ahead = np.array([y * kitchens.layout.width + x for x, y in DIRECTIONS])
-        batch = kitchens.batch
-        facing = batch.position.astype(np.int64) + self._ahead[batch.facing]
-        faced = np.take_along_axis(batch.cells, facing, axis=1)
-        picked = self._any(result, [f"{thing}_pickup" for thing in _THINGS])
-        self._counts += np.stack(
-            [
-                self._any(result, [f"potting_{thing}" for thing in _POTTINGS]),
-                self._any(result, ["soup_pickup"]) & (faced >= POT_IDLE),
-                self._any(result, ["soup_delivery"]),
-                self._any(result, [f"{thing}_drop" for thing in _THINGS]),
-                picked & (faced >= COUNTER) & (faced < ONION_DISPENSER),
-            ]
-        )
+        """Takes a step in."""
+        assert result.actions_taken is not None
+        self._counts += result.actions_taken & _BITS != 0
 
     def means(self) -> dict[str, NDArray[np.float64]]:
-        """Gives the mean of an episode by seat, (2,), under the names of `SeatProfile`."""
-        names = ("pots", "plates", "deliveries", "counter_drops", "counter_pickups")
-        return dict(zip(names, self._counts.mean(axis=1), strict=True))
-
-    def _any(self, result: StepResult, events: list[str]) -> NDArray[np.bool_]:
-        assert result.events is not None
-        return np.asarray(result.events[:, :, [self._of[event] for event in events]].any(axis=2))
+        """Returns the mean per episode by seat, (2,), under the names of `SeatProfile`."""
+        return dict(zip(_COUNTED, self._counts.mean(axis=1), strict=True))
 
 
 def _interval(values: NDArray[np.float64]) -> dict[str, float]:

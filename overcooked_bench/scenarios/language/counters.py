@@ -10,18 +10,20 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.kitchen.batch import CELLS, FACING, HELD, POSITION
 from overcooked_bench.kitchen.codes import (
+    BLOCKED,
     DISH,
-    FLOOR,
-    INTERACT,
     NOTHING,
     ONION,
-    POT_IDLE,
-    SERVING,
+    PICKED_UP,
+    PLATED,
+    POTTED,
+    PUT_DOWN,
+    SERVED,
     SOUP,
-    STAY,
     TOMATO,
+    TOOK,
+    item_of,
 )
 
 if TYPE_CHECKING:
@@ -30,12 +32,9 @@ if TYPE_CHECKING:
 ITEMS: Final = {"nothing": NOTHING, "onion": ONION, "tomato": TOMATO, "dish": DISH, "soup": SOUP + 1}
 """Things by name; every soup counts as the code after SOUP."""
 
-EVENTS: Final = ("pot", "plate", "serve", "pick", "drop")
+EVENTS: Final = {"pot": POTTED, "plate": PLATED, "serve": SERVED, "pick": TOOK | PICKED_UP, "drop": PUT_DOWN}
 """What an interaction can be: fill a pot, take a soup out of a pot with a dish, deliver, take from a dispenser or a
-counter, put on a counter."""
-
-_POT, _PLATE, _SERVE, _PICK, _DROP = range(1, len(EVENTS) + 1)
-_AHEAD, _WANTED = 0, 4  # columns of Tables.ways
+counter, put on a counter; with its bits in `StepResult.actions_taken`."""
 
 
 @dataclass(frozen=True)
@@ -74,9 +73,8 @@ def count_step(
     counters: Sequence[Counter],
     seats: NDArray[np.int64],
     tables: "Tables",
-    before: NDArray[np.uint16],
-    after: NDArray[np.uint16],
-    actions: NDArray[np.int64],
+    rows: NDArray[np.uint16],
+    taken: NDArray[np.uint16],
 ) -> NDArray[np.int64]:
     """Counts what one joint step brought.
 
@@ -84,56 +82,22 @@ def count_step(
         counters: K of them.
         seats: (N,) int64, the seat of chef A in each kitchen.
         tables: The kitchens' tables.
-        before: (N, ...) rows of the batch before the step.
-        after: (N, ...) rows after it.
-        actions: (N, 2) int64 the joint actions.
+        rows: (N, ...) rows of the batch after the step; whoever interacted faces what they faced before.
+        taken: (N, 2) uint16, what each chef did, see `StepResult.actions_taken`.
 
     Returns:
         (N, K) int64, what is to be added to each counter.
     """
-    increments = np.zeros((len(before), len(counters)), np.int64)
-    if not counters:
-        return increments
-    what, things, ahead = _events(tables, before, after, actions)
+    increments = np.zeros((len(taken), len(counters)), np.int64)
     for k, counter in enumerate(counters):
         if counter.event == "score":
-            increments[:, k] = np.where(what == _SERVE, tables.payments[0][before[:, HELD:CELLS]], 0).sum(axis=1)
+            increments[:, k] = np.where(taken & SERVED, tables.payments[0][item_of(taken)], 0).sum(axis=1)
             continue
-        chef = (seats if counter.chef == "A" else 1 - seats)[:, None]
-        if counter.event == "blocked":
-            increments[:, k] = np.take_along_axis(_blocked(tables, before, after, actions), chef, axis=1)[:, 0]
-            continue
-        hit = what == EVENTS.index(counter.event) + 1
+        hit = taken & (BLOCKED if counter.event == "blocked" else EVENTS[counter.event]) != 0
         if counter.item is not None:
-            hit = hit & (things == ITEMS[counter.item])
+            hit &= kinds(item_of(taken)) == ITEMS[counter.item]
         if counter.at is not None:
-            hit = hit & (ahead == tables.pots[counter.at - 1])
+            hit &= tables.faced(rows) == tables.pots[counter.at - 1]
+        chef = (seats if counter.chef == "A" else 1 - seats)[:, None]
         increments[:, k] = np.take_along_axis(hit, chef, axis=1)[:, 0]
     return increments
-
-
-def _events(
-    tables: "Tables", before: NDArray[np.uint16], after: NDArray[np.uint16], actions: NDArray[np.int64]
-) -> tuple[NDArray[np.uint8], NDArray[np.uint16], NDArray[np.uint16]]:
-    """Gives (N, 2) what each chef did (0 for nothing), with which thing, and the cell that it faced."""
-    ahead = tables.ways[before[:, POSITION:FACING], _AHEAD + before[:, FACING:HELD]]
-    had, has = kinds(before[:, HELD:CELLS]), kinds(after[:, HELD:CELLS])
-    tile = tables.fresh[ahead]
-    gave, took = (had != NOTHING) & (has == NOTHING), (had == NOTHING) & (has != NOTHING)
-    what = np.zeros(had.shape, np.uint8)
-    what[took] = _PICK
-    what[gave] = _DROP
-    what[gave & (tile == POT_IDLE)] = _POT
-    what[gave & (tile == SERVING)] = _SERVE
-    what[(had == DISH) & (has == SOUP + 1)] = _PLATE
-    what[actions != INTERACT] = 0
-    return what, np.where(took, has, had), ahead
-
-
-def _blocked(
-    tables: "Tables", before: NDArray[np.uint16], after: NDArray[np.uint16], actions: NDArray[np.int64]
-) -> NDArray[np.bool_]:
-    """Tells (N, 2) who wanted to walk to another floor cell and did not get there."""
-    here, there = before[:, POSITION:FACING], after[:, POSITION:FACING]
-    wanted = tables.ways[here, _WANTED + actions]
-    return np.asarray((actions < STAY) & (wanted != here) & (there == here) & (tables.fresh[wanted] == FLOOR))

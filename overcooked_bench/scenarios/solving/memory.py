@@ -136,8 +136,8 @@ class _World(Search):
 
     def _spread(self, rows: _Rows, counts: _Rows, t: int) -> _States:
         joint, before = self._asked.joint(rows, self._seat, t), np.repeat(rows, NUM_ACTIONS, axis=0)
-        after = self._desk.step(before, joint)
-        return after, self.count(before, after, np.repeat(counts, NUM_ACTIONS, axis=0), joint)
+        after, taken = self._desk.step(before, joint)
+        return after, self.count(after, taken, np.repeat(counts, NUM_ACTIONS, axis=0))
 
     def keys(self, states: _States, t: int) -> list[bytes]:
         """Returns keys that distinguish states, including the partner's phase."""

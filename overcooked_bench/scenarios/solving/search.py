@@ -14,7 +14,7 @@ from overcooked_bench.kitchen.batch import CELLS, FACING, HELD, POSITION, Batch
 from overcooked_bench.kitchen.codes import COUNTER, NUM_ACTIONS, POT_IDLE
 from overcooked_bench.kitchen.convert import read_state, write_state
 from overcooked_bench.kitchen.layout import Layout
-from overcooked_bench.kitchen.rules import step_kitchens
+from overcooked_bench.kitchen.rules import step_and_note
 from overcooked_bench.kitchen.state import KitchenState
 from overcooked_bench.kitchen.tables import Tables, compile_tables
 from overcooked_bench.scenarios.language.counters import Counter, count_step
@@ -103,8 +103,8 @@ class Search:
         Returns:
             The next row and counts.
         """
-        after = self._desk.step(row[None], np.array([actions], np.int64))
-        return after[0], self.count(row[None], after, counts[None], np.array([actions], np.int64))[0]
+        after, taken = self._desk.step(row[None], np.array([actions], np.int64))
+        return after[0], self.count(after, taken, counts[None])[0]
 
     def answer(self, row: _Rows, partner: "Behaviour", t: int) -> int:
         """Asks a partner what it does in a state, (R,)."""
@@ -190,8 +190,8 @@ class Search:
             part = slice(start, start + _TOGETHER)
             before = np.repeat(rows[part], NUM_ACTIONS, axis=0)
             actions = joint[start * NUM_ACTIONS : (start + _TOGETHER) * NUM_ACTIONS]
-            after = self._desk.step(before, actions)
-            counted = self.count(before, after, np.repeat(counts[part], NUM_ACTIONS, axis=0), actions)
+            after, taken = self._desk.step(before, actions)
+            counted = self.count(after, taken, np.repeat(counts[part], NUM_ACTIONS, axis=0))
             keys = self._keys(after, counted, phase)
             first = dict(zip(reversed(keys), range(len(keys) - 1, -1, -1), strict=True))
             unseen = first.keys() - seen
@@ -207,22 +207,21 @@ class Search:
             number += len(chosen)
         return *_joined(kept), -1
 
-    def count(self, before: _Rows, after: _Rows, counts: _Rows, actions: NDArray[np.int64]) -> _Rows:
+    def count(self, after: _Rows, taken: _Rows, counts: _Rows) -> _Rows:
         """Adds the events of a step to the counts.
 
         Args:
-            before: (N, R)
             after: (N, R)
+            taken: (N, 2) what the chefs did in it.
             counts: (N, K) before the step.
-            actions: (N, 2) joint actions.
 
         Returns:
             (N, K), up to their limits.
         """
         if not self._counters:
             return counts
-        seats = np.full(len(before), self._seat)
-        brought = count_step(self._counters, seats, self._tables, before, after, actions)
+        seats = np.full(len(after), self._seat)
+        brought = count_step(self._counters, seats, self._tables, after, taken)
         return np.minimum(counts + brought.astype(np.uint16), self._limits)
 
     def _things(self, rows: _Rows) -> NDArray[np.int64]:
@@ -250,9 +249,10 @@ class _Desk:
         self._room = 0
         self._cells = len(tables.fresh)
 
-    def step(self, rows: _Rows, actions: NDArray[np.int64]) -> _Rows:
-        """Returns (N, R) what comes of (N, R) kitchens by (N, 2) joint actions."""
+    def step(self, rows: _Rows, actions: NDArray[np.int64]) -> tuple[_Rows, _Rows]:
+        """Returns (N, R) what comes of (N, R) kitchens by (N, 2) joint actions, and (N, 2) what the chefs did."""
         n, after = len(rows), rows.copy()
+        taken = np.empty((n, 2), np.uint16)
         if n > self._room:
             self._room = n
             self._image = np.zeros((n, 26 * self._cells), np.uint8)
@@ -260,11 +260,11 @@ class _Desk:
             self._over = np.zeros(n, np.bool_)
         clock = self._clock[:n]
         clock[:] = 0
-        step_kitchens(
+        step_and_note(
             *(after, clock, self._image[:n], *self._tables, ENDLESS, np.ascontiguousarray(actions)),
-            *(np.zeros((2, n, 2)), self._over[:n], None),
+            *(np.zeros((2, n, 2)), self._over[:n], None, taken),
         )
-        return after
+        return after, taken
 
 
 class _Answers:

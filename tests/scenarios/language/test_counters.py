@@ -12,12 +12,11 @@ NORTH, SOUTH, EAST, WEST, STAY, INTERACT = range(6)
 def counted(counters, chef, objects=None, action=INTERACT, mate=None, mate_action=STAY, seat=0):
     """What one step adds to counters; the chef sits on `seat`."""
     mate = mate or Chef((3, 2))
-    kitchens = Kitchens(ROOM, 1)
+    kitchens = Kitchens(ROOM, 1, actions_taken=True)
     kitchens.set_state(0, KitchenState((chef, mate) if seat == 0 else (mate, chef), objects or {}))
-    before = kitchens.batch.rows.copy()
     joint = np.array([[action, mate_action] if seat == 0 else [mate_action, action]])
-    kitchens.step(joint)
-    return count_step(counters, np.array([seat]), kitchens.tables, before, kitchens.batch.rows, joint)[0].tolist()
+    taken = kitchens.step(joint).actions_taken
+    return count_step(counters, np.array([seat]), kitchens.tables, kitchens.batch.rows, taken)[0].tolist()
 
 
 EVENTS = {
