@@ -10,7 +10,7 @@ from overcooked_bench.agents.pools.manifest import read_manifest
 from overcooked_bench.agents.pools.pool import Pool, find_pool, is_pool, shipped_pools
 from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.agents.submissions.checks import AgentError
-from overcooked_bench.agents.submissions.loading import ENTRY
+from overcooked_bench.agents.submissions.content import ENTRY
 from overcooked_bench.shelf import guess
 
 if TYPE_CHECKING:

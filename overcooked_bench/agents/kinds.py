@@ -17,7 +17,8 @@ from overcooked_bench.agents.pools.manifest import read_manifest
 from overcooked_bench.agents.pools.pool import Pool, find_pool, is_pool
 from overcooked_bench.agents.scripted import SCRIPTED, scripted_sha256
 from overcooked_bench.agents.submissions.checks import AgentError
-from overcooked_bench.agents.submissions.loading import ENTRY, MAKE_AGENT, load_submission
+from overcooked_bench.agents.submissions.content import ENTRY
+from overcooked_bench.agents.submissions.loading import MAKE_AGENT, load_submission
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.policies.neural import Mode

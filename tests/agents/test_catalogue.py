@@ -14,7 +14,8 @@ from overcooked_bench.agents.catalogue import catalogue
 from overcooked_bench.agents.pools.pool import PoolError
 from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.agents.submissions.checks import AgentError, check_actions, check_agent
-from overcooked_bench.agents.submissions.loading import hash_submission, load_submission
+from overcooked_bench.agents.submissions.content import hash_submission
+from overcooked_bench.agents.submissions.loading import load_submission
 from tests.agents.made import write_policy
 
 WAITS = """

@@ -1,34 +1,79 @@
-"""Keeps an agent's code from changing what all code of a process shares."""
+"""Keeps what a submission's code changes in its process from everybody else's code."""
 
+import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import numpy as np
 
 
 class Surroundings:
-    """Puts global settings of numpy and torch back when an agent's code is done.
+    """The settings of the process as one submission has them.
 
-    These are numpy's floating-point error handling, and torch's default type, default device, gradient mode and number
-    of threads. A setting that is changed here by one agent would change what its partners compute.
+    These are the working directory, numpy's handling of floating-point errors, and torch's default type, default device
+    and gradient mode. They are in force while the submission's code runs; afterwards the process has its own again, and
+    its own number of torch's threads too.
     """
 
-    def __enter__(self) -> None:
-        torch = sys.modules.get("torch")
-        self._numpy = np.geterr()
-        self._torch = _settings(torch) if torch else None
+    def __init__(self) -> None:
+        self._theirs: dict[str, Any] = {}
 
-    def __exit__(self, *_: object) -> None:
-        if np.geterr() != self._numpy:
-            np.seterr(**self._numpy)
-        torch = sys.modules.get("torch")
-        if torch and self._torch and _settings(torch) != self._torch:
-            dtype, device, gradients, threads = self._torch
-            torch.set_default_dtype(dtype)
-            torch.set_default_device(device)
-            torch.set_grad_enabled(gradients)
-            torch.set_num_threads(threads)
+    @contextmanager
+    def inside(self) -> Iterator[None]:
+        """Runs the submission's code with its settings."""
+        threads = _threads()
+        before = _settings()
+        _put(before, self._theirs)
+        try:
+            yield
+        finally:
+            found = _settings()
+            self._theirs = {name: value for name, value in found.items() if value != before.get(name, _FRESH.get(name))}
+            _put(found, {**_FRESH, **before})
+            if threads is not None and _threads() != threads:
+                sys.modules["torch"].set_num_threads(threads)
 
 
-def _settings(torch: Any) -> tuple[Any, ...]:
-    return torch.get_default_dtype(), torch.get_default_device(), torch.is_grad_enabled(), torch.get_num_threads()
+_FRESH: dict[str, Any] = {"gradients": True}
+"""What torch has where the submission is the first to load it; the other settings follow below."""
+
+
+def _settings() -> dict[str, Any]:
+    found: dict[str, Any] = {"numpy": np.geterr()}
+    with suppress(OSError):  # the directory is gone
+        found["directory"] = os.getcwd()
+    torch = sys.modules.get("torch")
+    if torch is not None:
+        found["dtype"] = torch.get_default_dtype()
+        found["device"] = str(torch.get_default_device())
+        found["gradients"] = torch.is_grad_enabled()
+        _FRESH.setdefault("dtype", torch.float32)
+        _FRESH.setdefault("device", "cpu")
+    return found
+
+
+def _put(now: dict[str, Any], wanted: dict[str, Any]) -> None:
+    """Changes those settings that differ."""
+    torch = sys.modules.get("torch")
+    for name, value in wanted.items():
+        if now.get(name, value) == value:
+            continue
+        if name == "numpy":
+            np.seterr(**value)
+        elif name == "directory":
+            with suppress(OSError):
+                os.chdir(value)
+        elif torch is not None:
+            if name == "dtype":
+                torch.set_default_dtype(value)
+            elif name == "device":
+                torch.set_default_device(None if value == "cpu" else value)
+            else:
+                torch.set_grad_enabled(value)
+
+
+def _threads() -> int | None:
+    torch = sys.modules.get("torch")
+    return None if torch is None else int(torch.get_num_threads())
