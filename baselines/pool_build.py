@@ -15,8 +15,15 @@ from typing import Final
 import msgspec
 
 from overcooked_bench.agents.policies.policy import PolicyFiles, load_policy, policy_files
-from overcooked_bench.agents.pools.manifest import MANIFEST, check_files, read_manifest, write_manifest
-from overcooked_bench.agents.pools.records import AgentRecord, Manifest, PoolAgent
+from overcooked_bench.agents.pools.manifest import (
+    FORMAT,
+    MANIFEST,
+    check_files,
+    policies,
+    read_manifest,
+    write_manifest,
+)
+from overcooked_bench.agents.pools.records import Entry, Manifest, Training
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.evaluation.pools.profile import Measured, measure
 from overcooked_bench.files import write_whole
@@ -28,7 +35,7 @@ from .pool_config import EARLY, FINAL, HALF, Kind, PoolConfig, Run
 
 AGENTS_FILE: Final = "agents.json"
 """A finished run's agents, in its folder: their entries, and where their policies lie."""
-_TOLD_ELSEWHERE: Final = ("layout", "seed", "method", "training_seed")  # in the manifest's entry itself
+_SAID_ELSEWHERE: Final = ("layout", "seed", "method", "training_seed")  # in the manifest's entry itself
 
 
 class PoolBuildError(WrongUse):
@@ -52,26 +59,30 @@ def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
     outcome: Outcome | None = train(run.settings, folder, run.seed, resume=(folder / CONFIG_FILE).exists(), every=every)
     if outcome is None:
         return False
-    training = {**json.loads((folder / CONFIG_FILE).read_text()), "restarted": outcome.total_restarts}
+    settings = {**json.loads((folder / CONFIG_FILE).read_text()), "restarted": outcome.total_restarts}
     if not outcome.total_restarts:
-        del training["restarted"]
+        del settings["restarted"]
     entries = []
     for kind, (files, done, found) in _keep(run, outcome).items():
-        record = AgentRecord(
-            name=run.agent(kind),
-            layout=run.layout,
+        trained = Training(
             method=run.group.method,
             seed=run.seed,
             namespace=run.pool.namespace,
-            lineage=run.lineage,
-            training={key: value for key, value in training.items() if key not in _TOLD_ELSEWHERE},
+            settings={key: value for key, value in settings.items() if key not in _SAID_ELSEWHERE},
             steps=done,
-            cooking=run.pool.cooking,
-            mode="sample",
             self_play=found.self_play,
             configuration=run.configuration,
             checkpoint=round(done / outcome.steps, 4),
             profile=found.profile,
+        )
+        record = Entry(
+            name=run.agent(kind),
+            layout=run.layout,
+            reference=None,  # hashed when it enters the pool
+            role="partner",
+            stratum=trained.stratum,
+            lineage=run.lineage,
+            training=trained,
         )
         stem = files.weights.with_suffix("").relative_to(folder).as_posix()
         entries.append({"policy": stem, "record": msgspec.to_builtins(record)})
@@ -106,8 +117,8 @@ def _keep(run: Run, outcome: Outcome) -> dict[Kind, tuple[PolicyFiles, int, Meas
     return chosen
 
 
-def publish(run: Run, folder: Path, pool: Path) -> list[AgentRecord]:
-    """Copies a finished run's agents into the pool and writes the manifest anew; safe beside other builds.
+def publish(run: Run, folder: Path, pool: Path) -> list[Entry]:
+    """Copies a finished run's agents into the pool and rewrites the manifest; safe beside other builds.
 
     Returns:
         The entries.
@@ -117,7 +128,7 @@ def publish(run: Run, folder: Path, pool: Path) -> list[AgentRecord]:
         PoolError: The pool that is there is damaged.
     """
     content = read_json(folder / AGENTS_FILE)
-    records = [msgspec.convert(agent["record"], AgentRecord) for agent in content["agents"]]
+    records = [msgspec.convert(agent["record"], Entry) for agent in content["agents"]]
     for record in records:
         _check_entry(run, record, f"{folder}: this run")
     if sorted(record.name for record in records) != sorted(map(run.agent, run.group.keep)):
@@ -132,9 +143,10 @@ def publish(run: Run, folder: Path, pool: Path) -> list[AgentRecord]:
                 target.parent.mkdir(exist_ok=True)
                 write_whole(target, source.read_bytes())
         manifest = _manifest(pool)
-        known = {(a.layout, a.name): _bare(a) for a in manifest.agents} if manifest else {}
+        known = {(entry.layout, entry.name): entry for entry in policies(manifest)} if manifest else {}
         known |= {(record.layout, record.name): record for record in records}
-        write_manifest(pool, run.pool.name, list(known.values()), cooking=run.pool.cooking)
+        beside = run.pool.scripted_entries({layout for layout, _ in known})
+        write_manifest(pool, run.pool.name, [*known.values(), *beside], cooking=run.pool.cooking)
     return records
 
 
@@ -150,9 +162,16 @@ def missing(config: PoolConfig, pool: Path) -> list[Run]:
         return runs
     if (manifest.name, manifest.cooking, manifest.mode) != (config.name, config.cooking, "sample"):
         raise PoolBuildError(f"{pool} holds the pool {manifest.name!r}, not {config.name!r}; choose another --output")
-    held = {(agent.layout, agent.name): agent for agent in manifest.agents}
-    for entry in manifest.agents:
+    held = {(entry.layout, entry.name): entry for entry in policies(manifest)}
+    for entry in held.values():
         check_files(pool, manifest, entry)
+    beside = [entry for entry in manifest.entries if entry.training is None]
+    wanted = config.scripted_entries({layout for layout, _ in held})
+    if manifest.format == FORMAT and sorted(beside, key=_order) != sorted(wanted, key=_order):
+        raise PoolBuildError(
+            f"{pool} holds other scripted partners than the configuration names "
+            f"({', '.join(sorted({entry.name for entry in beside})) or 'none'}); choose another --output"
+        )
     left = []
     for run in runs:
         agents = [held.pop((run.layout, run.agent(kind)), None) for kind in run.group.keep]
@@ -168,11 +187,12 @@ def missing(config: PoolConfig, pool: Path) -> list[Run]:
     return left
 
 
-def _check_entry(run: Run, record: AgentRecord, what: str) -> None:
+def _check_entry(run: Run, record: Entry, what: str) -> None:
     """Makes sure that an agent was trained as the configuration says."""
     settings = json.loads(json.dumps(asdict(run.settings)))
     now = {**settings, "method": run.group.method, "seed": run.seed, "configuration": run.configuration}
-    then = {**record.training, "method": record.method, "seed": record.seed, "configuration": record.configuration}
+    trained = record.trained
+    then = {**trained.settings, "method": trained.method, "seed": trained.seed, "configuration": trained.configuration}
     differing = [
         f"{key} was {value!r}, is {now[key]!r}"
         for key, value in then.items()
@@ -188,5 +208,5 @@ def _manifest(pool: Path) -> Manifest | None:
     return read_manifest(pool) if (pool / MANIFEST).is_file() else None
 
 
-def _bare(agent: PoolAgent) -> AgentRecord:
-    return AgentRecord(**{name: getattr(agent, name) for name in AgentRecord.__struct_fields__})
+def _order(entry: Entry) -> tuple[str, str]:
+    return entry.layout, entry.name

@@ -3,6 +3,7 @@
 Every agent of the pool follows from the file: its name, its layout, its training seed and all settings.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -11,6 +12,9 @@ from typing import Any, Final, Literal
 
 import msgspec
 
+from overcooked_bench.agents.behaviours.parsing import VERSION, parse_behaviour
+from overcooked_bench.agents.pools.records import BehaviourReference, Entry, Role, ScriptedReference
+from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.documents import LONGEST, parse_yaml
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.files import check_name, read_text
@@ -76,6 +80,45 @@ class Group(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
                 raise ValueError(f"group {self.prefix}: {key} is {value!r}; give {wanted}")
 
 
+class ScriptedPartner(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A partner that nobody trains, on every layout of the pool.
+
+    Attributes:
+        name: The entry's name.
+        agent: Name of a scripted agent; the entry's name by default.
+        behaviour: A behaviour as scenarios write it, instead of a scripted agent.
+        role: "partner" counts, "floor" is shown apart.
+    """
+
+    name: str
+    agent: str = ""
+    behaviour: dict[str, Any] | None = None
+    role: Role = "partner"
+
+    def __post_init__(self) -> None:
+        if self.behaviour is not None:
+            parse_behaviour(self.behaviour)
+        elif (self.agent or self.name) not in SCRIPTED:
+            raise ValueError(f"no scripted agent named {self.agent or self.name!r}; there are {', '.join(SCRIPTED)}")
+
+    def entry(self, layout: str) -> Entry:
+        """Returns its entry on a layout, in the version that is played here."""
+        agent = self.agent or self.name
+        reference: ScriptedReference | BehaviourReference
+        if self.behaviour is None:
+            reference = ScriptedReference(agent=agent, version=SCRIPTED[agent].version)
+        else:
+            reference = BehaviourReference(behaviour=self.behaviour, version=VERSION)
+        return Entry(
+            name=self.name,
+            layout=layout,
+            reference=reference,
+            role=self.role,
+            stratum="scripted",
+            lineage=f"scripted/{agent}",
+        )
+
+
 class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A pool to be built.
 
@@ -85,6 +128,7 @@ class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         layouts: Shipped layouts.
         groups: What is trained on each of them.
         cooking: Cooking mode of all agents.
+        scripted: Partners beside the trained ones.
     """
 
     name: str
@@ -92,6 +136,7 @@ class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     layouts: tuple[str, ...]
     groups: tuple[Group, ...]
     cooking: Literal["auto", "manual"] = "auto"
+    scripted: tuple[ScriptedPartner, ...] = ()
 
     def __post_init__(self) -> None:
         strange = sorted(
@@ -112,6 +157,10 @@ class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
                     f"groups {one.prefix} and {other.prefix} would use the same seeds of {one.method}; write "
                     f"first: {one.first + one.count} in {other.prefix}"
                 )
+
+    def scripted_entries(self, layouts: Iterable[str]) -> list[Entry]:
+        """Lists the entries of the scripted partners on some layouts."""
+        return [partner.entry(layout) for layout in sorted(layouts) for partner in self.scripted]
 
     def runs(self) -> "list[Run]":
         """Lists all training runs: the first of each group on every layout, then the second, and so on."""

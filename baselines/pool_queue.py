@@ -18,7 +18,7 @@ from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from typing import Any, Final
 
-from overcooked_bench.agents.pools.pool import PoolError
+from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.processes import follow_parent, hold_stops, listen, start_process
 
 from .learning.locks import locked
@@ -144,10 +144,10 @@ def _settle(run: Run, code: int | None, folder: Path, pool: Path, result: Result
             result.failed.append(run.path)
             return
         for record in records:
-            own = record.self_play
+            own = record.trained.self_play
             say(
                 f"{run.layout} {record.name}: {own.mean:.0f} [{own.low:.0f}, {own.high:.0f}] points with itself after "
-                f"{record.steps:,} steps"
+                f"{record.trained.steps:,} steps"
             )
         result.finished.append(run.path)
     elif code == _TAKEN:

@@ -85,12 +85,17 @@ def _add_score(commands: Any) -> None:
         help="a name that `overcooked-bench list` shows, a Python file with make_agent, or a folder with agent.py",
     )
     parser.add_argument("--protocol", metavar="NAME|FILE", help="what is played (default: the newest shipped protocol)")
-    parser.add_argument("--pool", metavar="NAME|FOLDER", help="other trained partners than the protocol's")
+    parser.add_argument("--pool", metavar="NAME|FOLDER", help="another pool than the protocol's")
     parser.add_argument("--layouts", metavar="A,B", type=names, help="some of the protocol's layouts")
     parser.add_argument("--output", metavar="DIR", help="where to write (default: scores/<agent>-<protocol>)")
     parser.add_argument("--workers", metavar="N", type=int, help="processes (default: the usable cores, four at most)")
     parser.add_argument("--engine", default="local", metavar="local|dask|ray", help="where the processes run")
     parser.add_argument("--seed", metavar="N", type=int, default=0, help="other start states; compare scores of seed 0")
+    parser.add_argument(
+        "--salt",
+        metavar="TEXT",
+        help="replaces the protocol's public salt; `fresh` draws one, as official runs do (default: the public one)",
+    )
     parser.add_argument(
         "--scenarios",
         action=argparse.BooleanOptionalAction,
@@ -118,6 +123,7 @@ def _score(options: argparse.Namespace) -> int:
             workers=default_workers() if options.workers is None else options.workers,
             engine=options.engine,
             seed=options.seed,
+            salt=options.salt,
             on_progress=lambda at: tell(at.layout, at.blocks, at.of),
         )
         if options.scenarios:

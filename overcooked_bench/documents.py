@@ -6,10 +6,10 @@ no key twice, no control characters, no infinite or huge numbers, one mapping pe
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar, get_type_hints
 
 import msgspec
 
@@ -81,14 +81,15 @@ class Document:
         try:
             return msgspec.convert(self.data, kind)
         except (msgspec.ValidationError, ValueError) as error:
-            raise self._misfit(str(error), getattr(kind, "__struct_fields__", ())) from None
+            raise self._misfit(str(error), kind) from None
 
-    def _misfit(self, error: str, known: Sequence[str]) -> WrongUse:
+    def _misfit(self, error: str, kind: type) -> WrongUse:
         """Says a msgspec message in the words of the file, with the line of the key that it is about."""
         message, _, place = error.partition(" - at ")
         path = tuple(int(index) if index else name for name, index in re.findall(r"\.(\w+)|\[(\d+)\]", place))
+        known = _fields(kind, path)
         if named := re.match(r"Object contains unknown field `(.*)`", message):
-            keys = f"{guess(named[1], known)}keys are {', '.join(known)}" if not path else "remove it"
+            keys = f"{guess(named[1], known)}keys are {', '.join(known)}" if known else "remove it"
             return self.error((*path, named[1]), f"unknown key `{named[1]}`; {keys}")
         if named := re.match(r"Object missing required field `(.*)`", message):
             return self.error(path, f"missing key `{named[1]}`")
@@ -96,6 +97,14 @@ class Document:
             return self.error(own, message)
         key = f" - at key `{place.strip('`').removeprefix('$.')}`" if path else ""
         return self.error(path, message.replace("`object`", "a mapping") + key)
+
+
+def _fields(kind: type, path: Steps) -> tuple[str, ...]:
+    """Returns the keys of the struct at a path; none where it is something else."""
+    for step in path:
+        hints = get_type_hints(kind) if hasattr(kind, "__struct_fields__") else {}
+        kind = hints.get(str(step), object)
+    return getattr(kind, "__struct_fields__", ())
 
 
 def parse_yaml(text: str, where: str, raises: type[WrongUse] = DocumentError) -> Document:

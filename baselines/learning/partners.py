@@ -44,7 +44,7 @@ def partner_names(given: Sequence[str], settings: Settings, only_final: bool = F
             raise PoolError(f"pool {name!r} is of cooking {pool.cooking!r}; train with --cooking {pool.cooking}")
         if not pool.agents(layout):
             raise PoolError(f"pool {name!r} has no agents for {layout!r}; its layouts are {', '.join(pool.layouts)}")
-        agents = [agent for agent in pool.agents(layout) if agent.trained == 1 or not only_final]
+        agents = [agent for agent in pool.agents(layout) if agent.trained.done == 1 or not only_final]
         names += [f"{name}/{layout}/{agent.name}" for agent in agents]
     _warn_of_scoring_pools(pools)
     return tuple(names)
@@ -53,10 +53,10 @@ def partner_names(given: Sequence[str], settings: Settings, only_final: bool = F
 def _warn_of_scoring_pools(names: Set[str]) -> None:
     """Says so where a pool of these names is one that a shipped protocol scores with."""
     for protocol in map(load_protocol, protocol_names()):
-        if protocol.pool in names:
+        if protocol.play.pool in names:
             print(
-                f"warning: protocol {protocol.name} scores with the pool {protocol.pool}; what is trained or chosen by "
-                "it is no stranger to it. train-v1 is made to train against, dev-v1 to choose by",
+                f"warning: protocol {protocol.name} scores with the pool {protocol.play.pool}; an agent trained or "
+                "chosen with it has met its partners. train-v1 is made to train against, dev-v1 to choose by",
                 file=sys.stderr,
             )
 

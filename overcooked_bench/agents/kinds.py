@@ -152,7 +152,7 @@ def _pool_agents(reference: Reference, mode: "Mode") -> Entrant:
     found = {one.layout: one for layout in pool.layouts for one in pool.agents(layout) if one.name == agent}
     if not found:
         pool.agent(pool.layouts[0], agent)  # says which names there are
-    whole = "".join(f"{layout} {found[layout].files.weights.sha256}\n" for layout in sorted(found))
+    whole = "".join(f"{layout} {found[layout].sha256}\n" for layout in sorted(found))
 
     def make(layout: str, training_seed: int) -> Agent:
         if layout not in found:

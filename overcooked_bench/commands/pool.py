@@ -72,7 +72,7 @@ def _show(options: argparse.Namespace) -> int:
     pool = Pool.load(options.pool)
     layouts = _layouts(pool, options.layouts)
     if options.json:
-        _print_json([agent for layout in layouts for agent in pool.agents(layout)])
+        _print_json([agent for layout in layouts for agent in pool.partners(layout)])
     else:
         console().print(pool_tables(pool, layouts))
     return 0
@@ -172,7 +172,7 @@ def _layouts(pool: Any, wanted: list[str] | None) -> tuple[str, ...]:
     Raises:
         PoolError: The pool has no agents for one of them.
     """
-    from overcooked_bench.agents.pools.pool import PoolError
+    from overcooked_bench.agents.pools.manifest import PoolError
 
     strange = sorted(set(wanted or ()) - set(pool.layouts))
     if strange:

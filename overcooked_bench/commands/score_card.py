@@ -45,7 +45,7 @@ def play_scenarios(
     from overcooked_bench.scenarios.results import SuiteResult
     from overcooked_bench.scenarios.runner import REPEATS, run_items
 
-    scores, mode = scored.scores, scored.scores.settings.mode
+    scores, mode = scored.scores, scored.scores.settings.play.mode
     chosen = [item for item in load_items() if layouts is None or item.scenarios[0].layout.name in layouts]
     if not chosen:
         return None

@@ -19,9 +19,10 @@ from overcooked_bench.errors import AgentFault
 from overcooked_bench.evaluation.games.block import Block, Outcome, play_block
 from overcooked_bench.evaluation.games.engines import Engine, open_engine
 from overcooked_bench.evaluation.games.replayed import check_returns
-from overcooked_bench.evaluation.games.roster import check_pool, roster
+from overcooked_bench.evaluation.games.roster import check_pool
 from overcooked_bench.evaluation.games.store import Store
-from overcooked_bench.evaluation.protocol import NEWEST, Protocol, ProtocolError, load_protocol
+from overcooked_bench.evaluation.games.streams import FRESH, draw_salt
+from overcooked_bench.evaluation.protocol import NEWEST, Protocol, ProtocolError, is_text, load_protocol
 from overcooked_bench.evaluation.scores import SCHEMA, ScenarioScore, Scores, Source
 from overcooked_bench.evaluation.shown.plots import draw_curve
 from overcooked_bench.evaluation.shown.report import write_report
@@ -79,6 +80,7 @@ def score(
     workers: int = 1,
     engine: str = "local",
     seed: int = 0,
+    salt: str | None = None,
     act_timeout: float = ACT_TIMEOUT,
     on_progress: Callable[[Progress], None] = lambda _: None,
 ) -> Scored:
@@ -90,12 +92,15 @@ def score(
     Args:
         agent: What `find` takes: a name, the path of a submission or of a policy, or a behaviour mapping.
         protocol: A shipped name, a file, or a Protocol.
-        pool: Name or folder of other trained partners than the protocol's.
+        pool: Name or folder of another pool than the protocol's.
         layouts: Some of the protocol's layouts; all by default.
         output: The folder; `scores/<agent>-<protocol>` by default.
         workers: Processes.
         engine: "local", "dask" or "ray".
         seed: Other start states and random streams; scores that are to be compared use 0.
+        salt: Replaces the protocol's public salt in every start state, random stream and order of rows; "fresh" draws
+            one, or goes on with the one that was drawn for the folder. Official runs use a fresh one, so that a
+            submission cannot compute who its partners are.
         act_timeout: Seconds that one call of a submission's `act` may take, for a whole batch of episodes; a slower one
             is a fault of the agent. Engine "local" only.
         on_progress: Called after each block.
@@ -110,28 +115,30 @@ def score(
     """
     started, clock = datetime.now(UTC), time.monotonic()
     rules = protocol if isinstance(protocol, Protocol) else load_protocol(protocol)
-    entrant = find(agent, mode=rules.mode)
-    source = pool or rules.pool
-    partners = Pool.load(source) if source else None
+    entrant = find(agent, mode=rules.play.mode)
+    source = pool or rules.play.pool
+    if source is None:
+        raise ProtocolError(f"protocol {rules.name!r} names no pool; name one with --pool")
+    partners = Pool.load(source)
     chosen, skipped = _choose(rules, layouts, entrant)
-    if partners:
-        check_pool(partners, rules, chosen)
+    check_pool(partners, rules, chosen)
     for layout in chosen:
-        if rules.start == "standard" and not Layout.load(layout).start_cells:
+        if rules.play.start == "standard" and not Layout.load(layout).start_cells:
             raise ProtocolError(
                 f"protocol {rules.name!r} plays start 'standard', but {layout} names no start cells; mark two with the "
                 "digits 1 and 2, or write start: random"
             )
-        roster(rules, partners, layout)
     folder = Path(output) if output else default_output(entrant.name, rules)
+    used = _salt(salt, rules, folder)
     facts = {
         "protocol": rules.sha256,
         "agent": entrant.sha256,
-        "pool": partners.hash if partners else "none",
+        "pool": partners.hash,
         "seed": str(seed),
+        "salt": used,
     }
     notes = {"settings": msgspec.json.encode(rules).decode(), "agent_name": entrant.name}
-    home = str(partners.folder.absolute()) if partners else None
+    home = str(partners.folder.absolute())
     with Store(folder / EPISODES_FILE, facts, notes) as store:
         blocks = [
             Block(
@@ -139,13 +146,14 @@ def score(
                 agent_sha256=entrant.sha256,
                 protocol=rules,
                 pool=home,
-                pool_sha256=partners.hash if partners else None,
+                pool_sha256=partners.hash,
+                salt=used,
                 seed=seed,
                 layout=layout,
                 training_seed=run,
                 episode=episode,
             )
-            for episode in range(rules.episodes)
+            for episode in range(rules.play.episodes)
             for run in range(entrant.training_seeds)
             for layout in chosen
         ]
@@ -158,10 +166,11 @@ def score(
         protocol=Source(rules.name, rules.sha256),
         settings=rules,
         agent=Source(entrant.name, entrant.sha256),
-        pool=Source(partners.name, partners.hash) if partners else None,
+        pool=Source(partners.name, partners.hash),
         seed=seed,
+        salt=used,
         training_seeds=entrant.training_seeds,
-        interval=describe_interval(entrant.training_seeds, rules.episodes),
+        interval=describe_interval(entrant.training_seeds, rules.play.episodes),
         overall=overall,
         layouts=scored,
         not_attempted=tuple(layout for layout in (*chosen, *skipped) if layout not in attempted),
@@ -187,14 +196,30 @@ def default_output(agent: str, protocol: Protocol) -> Path:
     return Path("scores") / f"{agent}-{protocol.name}"
 
 
+def _salt(salt: str | None, rules: Protocol, folder: Path) -> str:
+    """Returns the run's salt: the public one unless another is given; "fresh" goes on with that of the folder."""
+    public = rules.play.salt
+    if salt is None:
+        return public
+    if not is_text(salt):
+        raise ProtocolError(f"salt is {salt!r}; give a text, or {FRESH!r} for a salt that nobody knows")
+    if salt != FRESH:
+        return salt
+    there = None
+    if (folder / EPISODES_FILE).is_file():
+        with Store(folder / EPISODES_FILE) as store:
+            there = store.facts.get("salt") if store.blocks() else None
+    return there if there not in (None, public) else draw_salt()
+
+
 def _choose(rules: Protocol, layouts: Sequence[str] | None, entrant: Entrant) -> tuple[list[str], list[str]]:
     """Gives the layouts to play and those that the agent is known not to play."""
-    strange = sorted(set(layouts or ()) - set(rules.layouts))
+    strange = sorted(set(layouts or ()) - set(rules.play.layouts))
     if strange:
         raise ProtocolError(
-            f"protocol {rules.name!r} does not play {', '.join(strange)}; choose among {', '.join(rules.layouts)}"
+            f"protocol {rules.name!r} does not play {', '.join(strange)}; choose among {', '.join(rules.play.layouts)}"
         )
-    wanted = [layout for layout in rules.layouts if layouts is None or layout in layouts]
+    wanted = [layout for layout in rules.play.layouts if layouts is None or layout in layouts]
     if entrant.layout is None:
         return wanted, []
     known = [layout for layout in wanted if layout == entrant.layout]
@@ -209,7 +234,7 @@ def _play_all(
     """Plays the blocks that the store lacks; gives the layouts that the agent does not know."""
     finished = store.blocks()
     if finished:
-        check_returns(store, blocks[0].protocol.cooking, blocks[0].protocol.horizon)
+        check_returns(store, blocks[0].protocol.play.cooking, blocks[0].protocol.play.horizon)
     to_play = [block for block in blocks if block.key not in finished]
     done, episodes = len(blocks) - len(to_play), 0
     unknown: dict[str, str] = {}

@@ -7,7 +7,7 @@ import msgspec
 
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.estimate import Estimate
-from overcooked_bench.evaluation.protocol import Protocol
+from overcooked_bench.evaluation.protocol import Protocol, upgrade
 from overcooked_bench.files import write_whole
 from overcooked_bench.kitchen.layout import DEFAULT_SOUP_REWARD
 
@@ -174,8 +174,9 @@ class Scores(msgspec.Struct, frozen=True):
         protocol: What was played.
         settings: The protocol in full.
         agent: Who was scored.
-        pool: The trained partners; null where there were none.
+        pool: Who was met; null in scores of protocols that named scripted partners alone.
         seed: 0 for scores that are to be compared.
+        salt: The run's: the protocol's public one in scores that are to be compared, a fresh one in official runs.
         training_seeds: Independent training runs of the agent, S.
         interval: What the intervals are about, and what not.
         overall: Equal-weight mean over the attempted layouts, points an episode; null where none was attempted. Its
@@ -192,6 +193,7 @@ class Scores(msgspec.Struct, frozen=True):
     agent: Source
     pool: Source | None
     seed: int
+    salt: str
     training_seeds: int
     interval: str
     overall: Estimate | None
@@ -213,8 +215,11 @@ def read_scores(file: str | Path) -> Scores:
         ScoresError: It is missing, not a score.json, or of another schema.
     """
     try:
-        scores = msgspec.json.decode(Path(file).read_bytes(), type=Scores)
-    except (OSError, msgspec.DecodeError, ValueError) as error:
+        content = msgspec.json.decode(Path(file).read_bytes())
+        content["settings"] = settings = upgrade(content["settings"])
+        content.setdefault("salt", settings["play"]["salt"])
+        scores = msgspec.convert(content, Scores)
+    except (OSError, msgspec.DecodeError, ValueError, LookupError, TypeError) as error:
         raise ScoresError(f"{file}: not a score.json of this version ({error})") from error
     if scores.schema != SCHEMA:
         raise ScoresError(f"{file}: its schema is {scores.schema}; this version reads {SCHEMA}")

@@ -37,9 +37,10 @@ def compute_layouts(
         who = rows.setdefault(one.layout, {}).setdefault((one.partner, one.kind, one.partner_sha256), {})
         who[one.training_seed, one.episode, one.seat] = one.soup_reward, one.ego_soups, one.partner_soups
     adapted, scores, repetitions = store.adapted(), [], []
-    shape = training_seeds, protocol.episodes, len(protocol.seats)
+    rules = protocol.play
+    shape = training_seeds, rules.episodes, len(rules.seats)
     for layout in layouts:
-        tables = {who: _table(games, shape, protocol.seats) for who, games in sorted(rows[layout].items())}
+        tables = {who: _table(games, shape, rules.seats) for who, games in sorted(rows[layout].items())}
         counting = {who: table for who, table in tables.items() if who[1] != FLOOR}
         cells = [_cell(who, table, agent_sha256) for who, table in tables.items()]
         returns = np.stack([table[..., 0] for table in counting.values()], axis=1)  # (S, P, E, K)
@@ -97,7 +98,7 @@ def _layout_score(
     seeds, partners = returns.shape[:2]
     means = returns.mean(axis=(2, 3))
     thresholds, soup_points = [], Layout.load(layout).soup_points
-    for soups in protocol.thresholds:
+    for soups in protocol.report.thresholds:
         reached, undecided = statistics.threshold(returns.mean(axis=3), soups * soup_points)
         thresholds.append(ThresholdScore(soups, reached, reached.value / partners, undecided))
     curve = statistics.ordered(means)

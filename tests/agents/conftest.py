@@ -1,6 +1,6 @@
 import pytest
 
-from overcooked_bench.agents.pools.pool import write_manifest
+from overcooked_bench.agents.pools.manifest import write_manifest
 from tests.agents.made import record, write_policy
 
 RING = {"layout": "coordination_ring", "shape": (22, 5, 5)}

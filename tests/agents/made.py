@@ -3,7 +3,7 @@
 import numpy as np
 
 from overcooked_bench.agents.policies.policy import Cnn, Mlp, Policy, PolicyFiles, load_policy, save_policy
-from overcooked_bench.agents.pools.pool import AgentRecord, Profile, SeatProfile, SelfPlay
+from overcooked_bench.agents.pools.records import Entry, Profile, ScriptedReference, SeatProfile, SelfPlay, Training
 
 
 def small_mlp(layout="cramped_room", shape=(22, 4, 5), **others):
@@ -37,18 +37,27 @@ SEAT = SeatProfile(
 
 
 def record(name="sp-0", layout="cramped_room", **others):
-    settings = {
+    """A policy's entry; others are keys of the entry or of its training."""
+    training = {
         "method": "self-play",
         "seed": 2**63 + 5,
         "namespace": "tests",
-        "lineage": f"{layout}/{name}",
-        "training": {"learning_rate": 1e-3, "hidden": (128, 128), "steps": 10},
+        "settings": {"learning_rate": 1e-3, "hidden": (128, 128), "steps": 10},
         "steps": 10,
-        "cooking": "auto",
-        "mode": "sample",
         "self_play": SelfPlay(mean=200, low=190.5, high=210.0, episodes=100),
         "configuration": "fast",
         "checkpoint": 1,
         "profile": Profile(entropy=0.5, seats=(SEAT, SEAT)),
     }
-    return AgentRecord(name=name, layout=layout, **(settings | others))
+    entry = {"reference": None, "role": "partner", "stratum": "self-play", "lineage": f"{layout}/{name}"}
+    entry["training"] = Training(**(training | {key: value for key, value in others.items() if key in training}))
+    given = {key: value for key, value in others.items() if key not in training}
+    return Entry(name=name, layout=layout, **(entry | given))
+
+
+def scripted(name, layout="cramped_room", version=1, role="partner"):
+    """The entry of a scripted agent."""
+    reference = ScriptedReference(agent=name, version=version)
+    return Entry(
+        name=name, layout=layout, reference=reference, role=role, stratum="scripted", lineage=f"scripted/{name}"
+    )

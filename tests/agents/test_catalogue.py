@@ -11,7 +11,7 @@ import overcooked_bench
 from overcooked_bench import UnknownLayout, load_agent
 from overcooked_bench.agents.agent import Agent
 from overcooked_bench.agents.catalogue import catalogue
-from overcooked_bench.agents.pools.pool import PoolError
+from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.agents.submissions.checks import AgentError, check_actions, check_agent
 from overcooked_bench.agents.submissions.content import hash_submission

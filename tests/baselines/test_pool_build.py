@@ -9,6 +9,7 @@ import types
 import pytest
 
 from overcooked_bench.agents.pools.pool import Pool
+from overcooked_bench.agents.pools.records import ScriptedReference
 from overcooked_bench.baselines import pool_build, pool_queue
 from overcooked_bench.baselines.learning import monitor
 from overcooked_bench.baselines.pool_build import PoolBuildError, missing, publish, train_run
@@ -36,17 +37,38 @@ def built(tmp_path_factory):
 def test_agents_are_written_with_all_that_is_known(built):
     pool = Pool.load(built / "pool")
     assert [agent.name for agent in pool.agents(LAYOUT)] == ["other-0", "sp-0", "sp-0-early", "sp-0-half"]
-    final, early, half = (pool.agent(LAYOUT, name) for name in ("sp-0", "sp-0-early", "sp-0-half"))
+    entries = [pool.agent(LAYOUT, name) for name in ("sp-0", "sp-0-early", "sp-0-half")]
+    assert [entry.stratum for entry in entries] == ["self-play", "untrained", "half-trained"]
+    assert {entry.lineage for entry in entries} == {"tests of pools/cramped_room/sp-0"}
+    final, early, half = (entry.trained for entry in entries)
     assert [agent.checkpoint for agent in (early, half, final)] == [0, 0.4, 1]
     assert [agent.steps for agent in (early, half, final)] == [0, 2 * UPDATE, 5 * UPDATE]
-    assert final.lineage == early.lineage == half.lineage == "tests of pools/cramped_room/sp-0"
     assert (final.method, final.configuration, final.namespace) == ("self-play", "fast", "tests of pools")
-    assert final.training["epochs"] == OVERRIDES["epochs"]
-    assert not {"layout", "seed", "method", "training_seed"} & final.training.keys()
+    assert final.settings["epochs"] == OVERRIDES["epochs"]
+    assert not {"layout", "seed", "method", "training_seed"} & final.settings.keys()
     assert final.self_play.episodes == 100
     assert 0 < final.profile.entropy < 1.8
-    assert len({agent.files.weights.sha256 for agent in pool.manifest.agents}) == 4
+    assert len({entry.sha256 for entry in pool.manifest.entries}) == 4
     assert missing(pool_config(built), built / "pool") == []
+
+
+def test_scripted_partners_stand_beside_the_trained_ones(built, tmp_path):
+    polite = {"name": "polite", "behaviour": {"does": "carry", "yields": True}}
+    scripted = [{"name": "greedy"}, {"name": "idle", "agent": "stay", "role": "floor"}, polite]
+    config = pool_config(tmp_path, scripted=scripted)
+    for run in config.runs():
+        publish(run, built / "runs" / run.path, tmp_path / "pool")
+    found = {entry.name: entry for entry in Pool.load(tmp_path / "pool").partners(LAYOUT)}
+    assert found["greedy"].reference == ScriptedReference(agent="greedy", version=1)
+    assert (found["idle"].role, found["idle"].lineage) == ("floor", "scripted/stay")
+    assert found["polite"].reference.behaviour == polite["behaviour"]
+    assert len(found) == 7
+    assert missing(config, tmp_path / "pool") == []
+    with pytest.raises(PoolBuildError, match="holds other scripted partners"):
+        missing(pool_config(tmp_path), tmp_path / "pool")
+    for wrong, message in ((("gredy", None), "no scripted agent named 'gredy'"), (("x", {"does": "fly"}), "fly")):
+        with pytest.raises(PoolConfigError, match=message):
+            pool_config(tmp_path, scripted=[{"name": wrong[0], "behaviour": wrong[1]}])
 
 
 def test_a_stopped_run_goes_on_to_the_same_agents(built, tmp_path, monkeypatch):
@@ -190,7 +212,7 @@ def test_the_steps_of_a_snapshot_are_those_it_had(algorithm, tmp_path, monkeypat
     (run,) = pool_config(tmp_path, one).runs()
     assert train_run(run, tmp_path / "run")
     half = next(r for r in publish(run, tmp_path / "run", tmp_path / "pool") if r.name.endswith("half"))
-    assert [half.steps] == done
+    assert [half.trained.steps] == done
 
 
 def test_a_run_that_cannot_be_published_does_not_end_the_others(built, tmp_path, monkeypatch, capsys):
@@ -211,8 +233,8 @@ def test_the_snapshot_of_a_population_is_one_of_the_longer_final_run(tmp_path):
     (run,) = pool_config(tmp_path, one).runs()
     assert train_run(run, tmp_path / "run")
     records = {record.name: record for record in publish(run, tmp_path / "run", tmp_path / "pool")}
-    assert (records["sp-0-half"].steps, records["sp-0-half"].checkpoint) == (3 * UPDATE, 0.5)
-    assert records["sp-0"].steps == 6 * UPDATE
+    assert (records["sp-0-half"].trained.steps, records["sp-0-half"].trained.checkpoint) == (3 * UPDATE, 0.5)
+    assert records["sp-0"].trained.steps == 6 * UPDATE
 
 
 def test_a_population_enters_with_the_steps_of_its_agent(tmp_path):
@@ -220,7 +242,7 @@ def test_a_population_enters_with_the_steps_of_its_agent(tmp_path):
     (run,) = pool_config(tmp_path, group(method="pbt", overrides=settings)).runs()
     assert train_run(run, tmp_path / "run")
     (record,) = publish(run, tmp_path / "run", tmp_path / "pool")
-    assert (record.steps, record.checkpoint) == (4 * UPDATE, 1)
+    assert (record.trained.steps, record.trained.checkpoint) == (4 * UPDATE, 1)
     with pytest.raises(PoolConfigError, match="keeps the policies of every round"):
         pool_config(tmp_path, group(method="pbt", overrides=settings, keep=["half"], snapshots=[0.5]))
 

@@ -2,6 +2,7 @@ from dataclasses import asdict
 
 import pytest
 
+from overcooked_bench.agents.pools.manifest import policies
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.baselines.learning.seeds import derive_seed
 from overcooked_bench.baselines.pool_config import PoolConfigError, load_pool_config, pool_config_names
@@ -109,11 +110,12 @@ def test_the_pools_are_as_large_as_they_should_be():
 def test_the_first_pool_was_trained_with_what_its_configuration_says():
     pool = Pool.load("dev-v0")
     runs = load_pool_config("dev-v0").runs()
-    assert len(runs) == len(pool.manifest.agents)
+    assert len(runs) == len(policies(pool.manifest))
     for run in runs:
-        agent, settings = pool.agent(run.layout, run.name), asdict(run.settings)
-        assert (agent.seed, agent.lineage, agent.method) == (run.seed, run.lineage, run.group.method)
+        entry, settings = pool.agent(run.layout, run.name), asdict(run.settings)
+        agent = entry.trained
+        assert (agent.seed, entry.lineage, agent.method) == (run.seed, run.lineage, run.group.method)
         update = settings["num_kitchens"] * settings["rollout"]
         assert run.settings.steps <= agent.steps < run.settings.steps + update
-        for key, value in agent.training.items():
+        for key, value in agent.settings.items():
             assert settings[key] == (tuple(value) if isinstance(value, list) else value), key

@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from overcooked_bench.agents.pools.pool import write_manifest
+from overcooked_bench.agents.pools.manifest import write_manifest
 from overcooked_bench.cli import main
 from tests.agents.made import record, write_policy
 
@@ -26,7 +26,7 @@ def said(capsys):
 def test_show_prints_a_row_an_agent(home, capsys):
     assert main(["pool", "show", "mine"]) == 0
     told = said(capsys)
-    for words in ("mine (", "3 agents", LAYOUT, "self-play fast", "200 [190, 210]", "100 100", "0.50", "15.0"):
+    for words in ("mine (", "3 trained agents", LAYOUT, "self-play fast", "200 [190, 210]", "100 100", "0.50", "15.0"):
         assert words in told, told
 
 
@@ -34,7 +34,7 @@ def test_show_prints_the_entries_as_json(home, capsys):
     assert main(["pool", "show", "mine", "--layouts", LAYOUT, "--json"]) == 0
     entries = json.loads(capsys.readouterr().out)
     assert [entry["name"] for entry in entries] == ["sp-0", "sp-1", "sp-2"]
-    assert entries[0]["profile"]["seats"][1]["pots"] == 7.5
+    assert entries[0]["training"]["profile"]["seats"][1]["pots"] == 7.5
 
 
 def test_a_pool_of_format_1_is_shown_without_profile(capsys):

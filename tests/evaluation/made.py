@@ -1,8 +1,15 @@
 """Small protocols, submissions and stores for the tests of evaluation."""
 
+from pathlib import Path
+
+import msgspec
+
 from overcooked_bench.agents.catalogue import find
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.evaluation.games.block import Block
+
+SCRIPTED_POOL = Path(__file__).parent.parent / "data" / "pools" / "scripted"
+"""A pool of `greedy` and, as a floor, `random`, on the five classic layouts."""
 
 SETTINGS = {
     "name": "tiny",
@@ -12,9 +19,7 @@ SETTINGS = {
     "horizon": 40,
     "start": "random",
     "object_probability": 0.5,
-    "pool": "null",
-    "partners": ["greedy"],
-    "floors": ["random"],
+    "pool": str(SCRIPTED_POOL),
     "seats": [0, 1],
     "episodes": 2,
     "mode": "sample",
@@ -24,15 +29,41 @@ SETTINGS = {
 
 
 def protocol_text(**changes):
-    """A protocol file with some keys changed; None leaves a key out."""
-    settings = {**SETTINGS, **changes}
-    return "".join(f"{key}: {value}\n" for key, value in settings.items() if value is not None).replace("'", "")
+    """A protocol file with some keys of either part changed; None leaves a key out."""
+    settings = {key: value for key, value in {**SETTINGS, **changes}.items() if value is not None}
+    top = {key: settings.pop(key) for key in ("name", "version") if key in settings}
+    report = {key: settings.pop(key) for key in ("thresholds",) if key in settings}
+    lines = [f"{key}: {value}" for key, value in top.items()]
+    for part, keys in (("play", settings), ("report", report)):
+        lines += [f"{part}:", *(f"  {key}: {value}" for key, value in keys.items())]
+    return "\n".join(lines).replace("'", "") + "\n"
 
 
-def block(protocol, agent="greedy", layout="cramped_room", pool=None, seed=0, training_seed=0, episode=0):
-    agent_sha256, pool_sha256 = find(agent).sha256, pool and Pool.load(pool).hash
+def changed(protocol, **play):
+    """A protocol with other keys of `play`."""
+    return msgspec.structs.replace(protocol, play=msgspec.structs.replace(protocol.play, **play))
+
+
+def reporting(protocol, **report):
+    """A protocol with other keys of `report`."""
+    return msgspec.structs.replace(protocol, report=msgspec.structs.replace(protocol.report, **report))
+
+
+def block(
+    protocol, agent="greedy", layout="cramped_room", pool=None, seed=0, training_seed=0, episode=0, salt="pepper"
+):
+    pool = pool or SCRIPTED_POOL
     return Block(
-        str(agent), agent_sha256, protocol, pool and str(pool), pool_sha256, seed, layout, training_seed, episode
+        agent=str(agent),
+        agent_sha256=find(agent).sha256,
+        protocol=protocol,
+        salt=salt,
+        pool=str(pool),
+        pool_sha256=Pool.load(pool).hash,
+        seed=seed,
+        layout=layout,
+        training_seed=training_seed,
+        episode=episode,
     )
 
 

@@ -1,16 +1,32 @@
+import re
+
+import msgspec
 import pytest
 
-from overcooked_bench.evaluation.protocol import ProtocolError, load_protocol, protocol_names, read_protocol
+from overcooked_bench.evaluation import protocol as module
+from overcooked_bench.evaluation.games.block import play_block
+from overcooked_bench.evaluation.protocol import (
+    Play,
+    Protocol,
+    ProtocolError,
+    Report,
+    load_protocol,
+    protocol_names,
+    read_protocol,
+    upgrade,
+)
 from overcooked_bench.kitchen.layout import layout_names
-from tests.evaluation.made import protocol_text
+from overcooked_bench.shelf import Shelf
+from tests.evaluation.made import SCRIPTED_POOL, block, changed, protocol_text, reporting
 
 
 def test_the_default_is_the_dev_protocol():
     protocol = load_protocol()
     assert protocol == load_protocol("dev")
-    assert protocol.layouts == layout_names()[:5]
-    assert (protocol.horizon, protocol.episodes, protocol.seats, protocol.pool) == (400, 10, (0, 1), "dev-v0")
-    assert set(protocol.floors) == {"stay", "random"}
+    play = protocol.play
+    assert play.layouts == layout_names()[:5]
+    assert (play.horizon, play.episodes, play.seats, play.pool) == (400, 10, (0, 1), "dev-v0")
+    assert protocol.report.thresholds == (1, 3, 5)
 
 
 @pytest.mark.parametrize("name", protocol_names())
@@ -18,43 +34,91 @@ def test_every_shipped_protocol_is_named_as_its_file(name):
     assert load_protocol(name).name == name
 
 
+def test_a_protocol_is_one_file(tmp_path, monkeypatch):
+    shelf = Shelf("protocol", "tests", ".yaml", ProtocolError, "a YAML file", str(tmp_path))
+    monkeypatch.setattr(module, "_SHELF", shelf)
+    (tmp_path / "tiny.yaml").write_text(protocol_text())
+    assert protocol_names() == ("tiny",)
+    assert load_protocol("tiny") == load_protocol(tmp_path / "tiny.yaml")
+
+
 def test_a_file_is_read(tmp_path):
     file = tmp_path / "mine.yaml"
     file.write_text(protocol_text(pool="my/pool"))
     protocol = load_protocol(file)
-    assert (protocol.name, protocol.pool, protocol.thresholds) == ("tiny", "my/pool", (1.0, 3.0))
+    assert (protocol.name, protocol.play.pool, protocol.report.thresholds) == ("tiny", "my/pool", (1.0, 3.0))
 
 
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"horizon": "many"}, "Expected `int`, got `str` - at key `horizon`"),
+        ({"horizon": "many"}, "Expected `int`, got `str` - at key `play.horizon`"),
         ({"horizon": 0}, "horizon is 0; give a number of steps from 1"),
         ({"horizon": 10_001}, "horizon is 10001; give a number of steps from 1 to 10,000"),
         ({"horizon": None}, "missing key `horizon`"),
-        ({"horizn": 400}, "unknown key `horizn`; did you mean 'horizon'. keys are name, version"),
-        ({"cooking": "microwave"}, "Invalid enum value 'microwave' - at key `cooking`"),
-        ({"seats": [0, 2]}, "at key `seats"),
+        ({"horizn": 400}, "unknown key `horizn`; did you mean 'horizon'. keys are pool, layouts"),
+        ({"partners": ["greedy"]}, "unknown key `partners`; .*keys are pool"),
+        ({"cooking": "microwave"}, "Invalid enum value .microwave. - at key `play.cooking`"),
+        ({"seats": [0, 2]}, "at key `play.seats"),
         ({"seats": [0, 0]}, r"seats is \[0, 0\]"),
         ({"layouts": []}, r"layouts is \[\]; give at least one"),
         ({"object_probability": 1.5}, "object_probability is 1.5; give a probability"),
         ({"episodes": 0}, "episodes is 0"),
         ({"episodes": 200_000_000}, "episodes is 200000000; give a number from 1 to 10,000"),
-        ({"name": "../../X"}, "the key `name` is"),
-        ({"salt": "!!bool x"}, "the tag"),
+        ({"salt": '""'}, "salt is ''; give a text"),
         ({"thresholds": [0]}, "thresholds"),
-        ({"floors": ["greedy"]}, "partners and floors name 'greedy' twice"),
-        ({"partners": []}, "partners"),
+        ({"thresholds": [".inf"]}, "inf"),
+        ({"thresholds": None}, "report"),
+        ({"name": "../../x"}, "name is '../../x'"),
+        ({"version": -1}, "version is -1"),
         ({"name": "{"}, "not YAML"),
     ],
 )
 def test_a_wrong_key_is_named_with_the_file(changes, words):
-    with pytest.raises(ProtocolError, match=rf"^tiny.yaml(:\d+)?: .*{words}"):
+    with pytest.raises(ProtocolError, match=rf"^tiny.yaml:\d+: .*{words}"):
         read_protocol(protocol_text(**changes), "tiny.yaml")
 
 
+FLAT = """
+name: mini
+version: 0
+layouts: [cramped_room]
+cooking: auto
+horizon: 100
+start: random
+object_probability: 0.0
+pool: dev-v0
+partners: [onion_courier, dish_courier, greedy]
+floors: [stay, random]
+seats: [0, 1]
+episodes: 2
+mode: sample
+thresholds: [1, 3, 5]
+salt: wooden spoon
+"""
+
+
+def test_a_file_of_the_first_form_is_refused_with_what_to_write():
+    with pytest.raises(ProtocolError, match=r"flat.yaml:1: .*below play, thresholds below report.*pool's manifest"):
+        read_protocol(FLAT, "flat.yaml")
+
+
+def test_a_protocol_that_a_score_of_the_first_form_holds_is_still_read():
+    import yaml
+
+    flat = yaml.safe_load(FLAT)
+    protocol = msgspec.convert(upgrade(flat), Protocol)
+    assert (protocol.name, protocol.play.pool, protocol.play.horizon) == ("mini", "dev-v0", 100)
+    assert protocol.report.thresholds == (1, 3, 5)
+    assert upgrade(msgspec.to_builtins(protocol)) == msgspec.to_builtins(protocol)
+    nameless = msgspec.convert(upgrade({**flat, "name": "../my protocol", "pool": None}), Protocol)
+    assert (nameless.name, nameless.play.pool) == ("my-protocol", None)
+    with pytest.raises(msgspec.ValidationError):
+        msgspec.convert(upgrade({"name": 3}), Protocol)
+
+
 def test_a_file_that_is_no_mapping_is_refused():
-    with pytest.raises(ProtocolError, match=r"^tiny.yaml:1: not a mapping"):
+    with pytest.raises(ProtocolError, match=r"^tiny.yaml:1: .*mapping"):
         read_protocol("[1, 2]", "tiny.yaml")
 
 
@@ -70,11 +134,50 @@ def test_an_unknown_name_is_answered_with_the_nearest():
         load_protocol("dve")
 
 
-def test_the_hash_is_of_what_the_file_says():
+def test_the_hash_is_of_what_is_played():
     text = protocol_text()
-    same = "# a remark\r\n" + "\r\n".join(reversed(text.splitlines())) + "\r\n"
-    assert read_protocol(same, "b").sha256 == read_protocol(text, "a").sha256
-    hashes = {
-        read_protocol(protocol_text(**{key: value}), key).sha256 for key, value in (("salt", "x"), ("horizon", 41))
-    }
-    assert len(hashes | {read_protocol(text, "a").sha256}) == 3
+    protocol = read_protocol(text, "a")
+    lines = text.splitlines()
+    start, end = lines.index("play:") + 1, lines.index("report:")
+    shuffled = [*lines[:start], *reversed(lines[start:end]), *lines[end:]]
+    same = "# a remark\r\n" + "\r\n".join(shuffled) + "\r\n"
+    assert read_protocol(same, "b").sha256 == protocol.sha256
+    assert reporting(protocol, thresholds=(2,)).sha256 == protocol.sha256
+    assert reporting(protocol, thresholds=(2,)).report_sha256 != protocol.report_sha256
+    assert read_protocol(protocol_text(name="other", version=7), "c").sha256 == protocol.sha256
+    assert changed(protocol, object_probability=1).sha256 == changed(protocol, object_probability=1.0).sha256
+    hashes = {changed(protocol, **{key: value}).sha256 for key, value in (("salt", "x"), ("horizon", 41))}
+    assert len(hashes | {protocol.sha256}) == 3
+
+
+def test_the_hash_of_dev_is_frozen_and_a_new_optional_key_leaves_it_alone():
+    """Start states and streams of every published score hang on it."""
+    protocol = load_protocol("dev")
+    assert protocol.sha256 == "da6fc489cc73be86a495066cfb55590b3654f9778aeec64e32ea2b8a8a074cbe"
+
+    class Later(Play, frozen=True, kw_only=True):
+        surprise: float = 0.5
+        surprises: tuple[str, ...] = ()
+
+    class LaterReport(Report, frozen=True, kw_only=True):
+        metrics: tuple[str, ...] = ("mean",)
+
+    plain = msgspec.to_builtins(protocol.play)
+    assert msgspec.convert(plain, Later).sha256 == protocol.sha256
+    assert msgspec.convert({**plain, "surprise": 0.5, "surprises": []}, Later).sha256 == protocol.sha256
+    assert msgspec.convert({**plain, "surprise": 1}, Later).sha256 != protocol.sha256
+    report = msgspec.convert(msgspec.to_builtins(protocol.report), LaterReport)
+    assert report.sha256 == protocol.report_sha256
+
+
+def test_what_is_reported_changes_no_game(protocol):
+    """A threshold was part of every key: with another one, not one start state was the same."""
+    once = play_block(block(protocol))
+    assert play_block(block(reporting(protocol, thresholds=(1, 2)))) == once
+    assert play_block(block(msgspec.structs.replace(protocol, name="other", version=9))) == once
+    assert play_block(block(changed(protocol, salt="other"))).episodes[0].start != once.episodes[0].start
+
+
+def test_a_protocol_names_a_pool_and_no_other_partners(protocol):
+    assert protocol.play.pool == str(SCRIPTED_POOL)
+    assert not {"partners", "floors"} & set(re.findall(r"\w+", (" ".join(Play.__struct_fields__))))

@@ -11,13 +11,16 @@ import time
 
 import pytest
 
+from overcooked_bench.agents.pools.manifest import write_manifest
 from overcooked_bench.agents.submissions.checks import AgentError
+from overcooked_bench.cli import main
 from overcooked_bench.evaluation.games.engines import EngineError
 from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.evaluation.protocol import ProtocolError, read_protocol
 from overcooked_bench.evaluation.score import EPISODES_FILE, SCORES_FILE, ScoringFault, score
 from overcooked_bench.evaluation.scores import ScoresError, read_scores
-from tests.evaluation.made import protocol_text, write_agent
+from tests.agents.made import scripted
+from tests.evaluation.made import SCRIPTED_POOL, changed, protocol_text, reporting, write_agent
 
 
 def without_run(folder):
@@ -159,11 +162,69 @@ def test_an_agent_that_ends_or_blocks_its_process_is_at_fault(act, why, workers,
         score(agent, protocol, output=tmp_path / "out", workers=workers, act_timeout=2)
 
 
-def test_a_standard_start_needs_start_cells(tmp_path):
-    (tmp_path / "bare.layout").write_text("XXPXX\nO   O\nX   X\nXDXSX")
-    rules = read_protocol(protocol_text(layouts=[str(tmp_path / "bare.layout")], start="standard"), "p.yaml")
+GRID = "XXPXX\nO   O\nX   X\nXDXSX"
+
+
+@pytest.fixture
+def own_kitchen(tmp_path):
+    """A layout file of the user's own, and a pool of scripted partners for it."""
+    (tmp_path / "bare.layout").write_text(GRID)
+    write_manifest(tmp_path / "pool", "own", [scripted("greedy", layout=GRID)])
+    return {"layouts": [str(tmp_path / "bare.layout")], "pool": tmp_path / "pool"}
+
+
+def test_a_kitchen_of_ones_own_is_scored_with_scripted_partners(own_kitchen, tmp_path):
+    scores, _ = score("stay", read_protocol(protocol_text(**own_kitchen), "p.yaml"), output=tmp_path / "out")
+    assert [cell.partner for cell in scores.layouts[0].cells] == ["greedy"]
+
+
+def test_a_standard_start_needs_start_cells(own_kitchen, tmp_path):
+    rules = read_protocol(protocol_text(**own_kitchen, start="standard"), "p.yaml")
     with pytest.raises(ProtocolError, match="names no start cells"):
         score("stay", rules, output=tmp_path / "out")
+
+
+def test_without_a_pool_nobody_is_met(protocol, tmp_path):
+    with pytest.raises(ProtocolError, match="names no pool; name one with --pool"):
+        score("stay", changed(protocol, pool=None), output=tmp_path / "out")
+    scores, _ = score("stay", changed(protocol, pool=None), pool=SCRIPTED_POOL, output=tmp_path / "out")
+    assert scores.pool.name == "scripted"
+
+
+def test_a_fresh_salt_is_written_down_and_kept_for_its_folder(protocol, tmp_path, capsys):
+    public, _ = score("greedy", protocol, output=tmp_path / "public")
+    assert public.salt == protocol.play.salt
+    rules = tmp_path / "p.yaml"
+    rules.write_text(protocol_text())
+    command = ["score", "greedy", "--protocol", str(rules), "--no-scenarios", "--workers", "1", "--output"]
+    assert main([*command, str(tmp_path / "fresh"), "--salt", "fresh"]) == 0
+    fresh = read_scores(tmp_path / "fresh" / SCORES_FILE)
+    assert len(fresh.salt) == 32
+    with Store(tmp_path / "fresh" / EPISODES_FILE) as store, Store(tmp_path / "public" / EPISODES_FILE) as other:
+        assert store.facts["salt"] == fresh.salt
+        starts = [{episode.start for episode in of.episodes()} for of in (store, other)]
+    assert not starts[0] & starts[1], "start states follow the salt"
+    assert main([*command, str(tmp_path / "fresh"), "--salt", "fresh"]) == 0, "the same folder goes on with its salt"
+    assert read_scores(tmp_path / "fresh" / SCORES_FILE).salt == fresh.salt
+    score("greedy", protocol, output=tmp_path / "again", salt=fresh.salt)
+    assert without_run(tmp_path / "again") == without_run(tmp_path / "fresh"), "anyone who knows the salt can repeat it"
+    capsys.readouterr()
+    assert main([*command, str(tmp_path / "fresh")]) == 2
+    assert "another salt" in capsys.readouterr().err
+    assert main([*command, str(tmp_path / "public"), "--salt", "fresh"]) == 2, "a public run does not become official"
+    assert "another salt" in capsys.readouterr().err
+    with pytest.raises(ProtocolError, match="salt is ''"):
+        score("greedy", protocol, output=tmp_path / "out", salt="")
+
+
+def test_a_threshold_is_changed_without_playing_again(protocol, tmp_path):
+    score("greedy", protocol, output=tmp_path / "out")
+    played = []
+    scores, _ = score(
+        "greedy", reporting(protocol, thresholds=(2,)), output=tmp_path / "out", on_progress=played.append
+    )
+    assert played == []
+    assert [threshold.soups for threshold in scores.layouts[0].thresholds] == [2]
 
 
 def test_what_the_agent_does_not_know_is_not_attempted(tmp_path):
@@ -199,7 +260,7 @@ def test_a_pool_of_another_mode_or_layout_is_refused(pool_folder, tmp_path):
     for changes, words in (
         ({"cooking": "manual"}, "plays cooking 'manual', but the pool 'tiny' was made for 'auto'"),
         ({"mode": "greedy"}, "plays mode 'greedy'"),
-        ({"layouts": ["counter_circuit"]}, "no agents for counter_circuit"),
+        ({"layouts": ["counter_circuit"]}, "no partners for counter_circuit"),
     ):
         with pytest.raises(ProtocolError, match=words):
             score("stay", read_protocol(protocol_text(**changes), "p"), pool=pool_folder, output=tmp_path / "out")

@@ -12,6 +12,7 @@ from overcooked_bench.evaluation.games.store import Store
 from overcooked_bench.evaluation.shown.tables import _worth
 from overcooked_bench.evaluation.statistics import low_quantile
 from overcooked_bench.evaluation.summary import compute_layouts, describe_interval
+from tests.evaluation.made import changed, reporting
 
 PARTNERS = {"ann": "trained", "bob": "trained", "cat": "scripted", "stay": "floor"}
 
@@ -19,7 +20,7 @@ PARTNERS = {"ann": "trained", "bob": "trained", "cat": "scripted", "stay": "floo
 def summarise(tmp_path, protocol, returns, name="a", layout="cramped_room"):
     """Scores (S, P, E, 2) returns of PARTNERS on a layout."""
     seeds, _, episodes, _ = returns.shape
-    rules = msgspec.structs.replace(protocol, episodes=episodes)
+    rules = changed(protocol, episodes=episodes)
     with Store(tmp_path / f"{name}.sqlite", {"agent": "x"}) as store:
         for s, e in np.ndindex(seeds, episodes):
             rows = [
@@ -103,7 +104,7 @@ def test_seats_partners_and_thresholds(tmp_path, protocol):
 def test_thresholds_count_soups_of_the_layouts_own_value(tmp_path, protocol):
     cheap = tmp_path / "cheap.layout"
     cheap.write_text("XXPXX\nO  2O\nX1  X\nXDXSX\n---\nsoup_reward: 10\n")
-    rules = msgspec.structs.replace(protocol, thresholds=(1, 2, 3))
+    rules = reporting(protocol, thresholds=(1, 2, 3))
     two_soups = np.full((1, 4, 2, 2), 20.0)
     score, _ = summarise(tmp_path, rules, two_soups, layout=str(cheap))
     assert [(t.soups, t.share) for t in score.thresholds] == [(1, 1), (2, 1), (3, 0)]
@@ -122,7 +123,7 @@ def test_the_interval_says_what_it_is_about():
 
 def test_a_training_seed_is_averaged_over_layouts_before_the_interval(tmp_path, protocol):
     """Two layouts on which the seeds go opposite ways: their mean does not vary, each of them does."""
-    rules, layouts = msgspec.structs.replace(protocol, episodes=1), ["cramped_room", "coordination_ring"]
+    rules, layouts = changed(protocol, episodes=1), ["cramped_room", "coordination_ring"]
     with Store(tmp_path / "two.sqlite", {"agent": "x"}) as store:
         for layout, points in zip(layouts, ([20.0, 40.0, 60.0], [60.0, 40.0, 20.0]), strict=True):
             for s, reward in enumerate(points):

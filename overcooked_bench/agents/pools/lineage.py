@@ -4,7 +4,8 @@ from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from typing import NamedTuple, TypeVar
 
-from overcooked_bench.agents.pools.records import Manifest, PoolAgent
+from overcooked_bench.agents.pools.manifest import policies
+from overcooked_bench.agents.pools.records import Entry, Manifest
 
 Key = TypeVar("Key")
 
@@ -22,7 +23,7 @@ class Finding(NamedTuple):
 
 
 def check_lineages(manifest: Manifest, others: Sequence[Manifest] = ()) -> list[Finding]:
-    """Looks for agents that are tied without saying so.
+    """Looks for trained agents that are tied without saying so.
 
     Within a pool, agents of one layout and lineage are checkpoints of one run, and agents of one seed are of one
     lineage. Between pools nothing is shared: no seed, no lineage, no weights; equal namespaces are a warning.
@@ -38,33 +39,33 @@ def check_lineages(manifest: Manifest, others: Sequence[Manifest] = ()) -> list[
 
 
 def _one_run(manifest: Manifest) -> Iterator[Finding]:
-    for (layout, lineage), agents in _grouped(manifest.agents, lambda a: (a.layout, a.lineage)):
+    for (layout, lineage), agents in _grouped(policies(manifest), lambda a: (a.layout, a.lineage)):
         if len(agents) < 2:
             continue
         who = f"{layout}: {_names(agents)} are of one lineage, {lineage!r}, "
-        if any(agent.checkpoint is None for agent in agents):
+        if any(agent.trained.checkpoint is None for agent in agents):
             yield Finding(True, f"{who}and do not say which checkpoints of a run they are")
             continue
-        for key in ("method", "seed", "namespace", "configuration", "training"):
-            if any(getattr(agent, key) != getattr(agents[0], key) for agent in agents):
+        for key in ("method", "seed", "namespace", "configuration", "settings"):
+            if any(getattr(agent.trained, key) != getattr(agents[0].trained, key) for agent in agents):
                 yield Finding(True, f"{who}but not checkpoints of one run: they differ in {key}")
-        for share, same in _grouped(agents, lambda a: a.checkpoint):
+        for share, same in _grouped(agents, lambda a: a.trained.checkpoint):
             if len(same) > 1:
                 yield Finding(True, f"{who}and {_names(same)} are the same checkpoint, {share}")
 
 
 def _one_seed(manifest: Manifest) -> Iterator[Finding]:
-    for (layout, seed), agents in _grouped(manifest.agents, lambda a: (a.layout, a.seed)):
+    for (layout, seed), agents in _grouped(policies(manifest), lambda a: (a.layout, a.trained.seed)):
         if len({agent.lineage for agent in agents}) > 1:
             yield Finding(True, f"{layout}: {_names(agents)} have the training seed {seed} and different lineages")
 
 
 def _between(manifest: Manifest, other: Manifest) -> Iterator[Finding]:
-    ours, theirs = manifest.agents, other.agents
-    keys: list[tuple[str, Callable[[PoolAgent], Hashable]]] = [
-        ("the training seed", lambda a: (a.layout, a.seed)),
+    ours, theirs = policies(manifest), policies(other)
+    keys: list[tuple[str, Callable[[Entry], Hashable]]] = [
+        ("the training seed", lambda a: (a.layout, a.trained.seed)),
         ("the lineage", lambda a: a.lineage),
-        ("the weights", lambda a: a.files.weights.sha256),
+        ("the weights", lambda a: a.sha256),
     ]
     for what, key in keys:
         common = {key(agent) for agent in theirs}
@@ -73,16 +74,18 @@ def _between(manifest: Manifest, other: Manifest) -> Iterator[Finding]:
                 whose = next(them for them in theirs if key(them) == key(agent))
                 where = f"{other.name}/{whose.layout}/{whose.name}"
                 yield Finding(True, f"{agent.layout}/{agent.name} shares {what} with {where}")
-    for namespace in sorted({agent.namespace for agent in ours} & {agent.namespace for agent in theirs}):
+    for namespace in sorted(
+        {agent.trained.namespace for agent in ours} & {agent.trained.namespace for agent in theirs}
+    ):
         yield Finding(False, f"the seed namespace {namespace!r} is also used by the pool {other.name}")
 
 
-def _grouped(agents: Iterable[PoolAgent], key: Callable[[PoolAgent], Key]) -> list[tuple[Key, list[PoolAgent]]]:
-    groups: dict[Key, list[PoolAgent]] = defaultdict(list)
+def _grouped(agents: Iterable[Entry], key: Callable[[Entry], Key]) -> list[tuple[Key, list[Entry]]]:
+    groups: dict[Key, list[Entry]] = defaultdict(list)
     for agent in agents:
         groups[key(agent)].append(agent)
     return list(groups.items())
 
 
-def _names(agents: Iterable[PoolAgent]) -> str:
+def _names(agents: Iterable[Entry]) -> str:
     return ", ".join(sorted(agent.name for agent in agents))

@@ -1,29 +1,39 @@
-"""A pool's manifest: what each agent is, how it came to be, and the hashes of its files."""
+"""A pool's manifest: who its partners are, how each came to be, and the hashes of their files."""
 
 import hashlib
+import os
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import msgspec
 
-from overcooked_bench.agents.pools.records import AgentRecord, HashedFile, Manifest, PoolAgent, PoolFiles
-from overcooked_bench.documents import read_json
+from overcooked_bench.agents.behaviours.parsing import VERSION
+from overcooked_bench.agents.pools.records import (
+    BehaviourReference,
+    Entry,
+    HashedFile,
+    Manifest,
+    PolicyReference,
+)
+from overcooked_bench.agents.pools.upgrades import UPGRADES
+from overcooked_bench.agents.scripted import SCRIPTED
+from overcooked_bench.documents import parse_json
 from overcooked_bench.errors import WrongUse
-from overcooked_bench.files import FileError, check_name, read_regular, write_whole
-from overcooked_bench.kitchen.layout import layout_names
+from overcooked_bench.files import FileError, check_name, read_regular, shown, write_whole
+from overcooked_bench.kitchen.layout import Layout, LayoutError, layout_names
 from overcooked_bench.shelf import guess
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.policies.policy import Policy
 
-FORMAT: Final = 2
-"""What is written. Format 1, without configuration, checkpoint and profile, is read too."""
+FORMAT: Final = 3
+"""What is written; older formats are read through `UPGRADES`."""
 
 MANIFEST: Final = "manifest.json"
 MOST_BYTES: Final = 64 << 20
-"""Of a manifest, and of each of an agent's files."""
+"""Longest file of a pool that is read."""
 
 
 class PoolError(WrongUse):
@@ -31,15 +41,26 @@ class PoolError(WrongUse):
 
 
 def read_manifest(folder: Path) -> Manifest:
-    """Reads a manifest and checks it by itself, without looking at the agents' files.
+    """Reads a manifest of any format and checks it by itself, without looking at the policies' files.
 
     Raises:
         PoolError: It is missing or broken; names the entry.
     """
     file = folder / MANIFEST
-    manifest = read_json(file, MOST_BYTES, Manifest, PoolError)
+    data = read_regular(file, MOST_BYTES, raises=PoolError)
+    form = parse_json(data, str(file), dict[str, Any], PoolError).get("format")
+    if form == FORMAT:
+        manifest = parse_json(data, str(file), Manifest, PoolError)
+        hashed = _hashed(manifest)
+    elif form in UPGRADES:
+        try:
+            manifest, hashed = UPGRADES[form](data)
+        except ValueError as error:
+            raise PoolError(f"{file}: {error}") from None
+    else:
+        raise PoolError(f"{file}: format {shown(form)}; this version reads formats 1 to {FORMAT}")
     _check(manifest, file)
-    if manifest.hash != pool_hash(manifest):
+    if manifest.hash != _sha256(hashed):
         raise PoolError(
             f"{file}: its hash does not match its entries, so one of them was changed; restore the file, or make a new "
             "pool with write_manifest"
@@ -50,18 +71,18 @@ def read_manifest(folder: Path) -> Manifest:
 def write_manifest(
     folder: str | Path,
     name: str,
-    agents: Sequence[AgentRecord],
+    entries: Sequence[Entry],
     cooking: Literal["auto", "manual"] = "auto",
     mode: Literal["sample", "greedy"] = "sample",
 ) -> Manifest:
-    """Hashes the agents' files and writes `manifest.json`.
+    """Hashes the policies' files and writes `manifest.json`.
 
     Args:
-        folder: The pool's; each agent's pair of files already lies at `<layout>/<name>`.
+        folder: The pool's folder; it holds each policy's pair of files at `<layout>/<name>`.
         name: The pool's name.
-        agents: The entries without their files.
-        cooking: Cooking mode of all agents.
-        mode: How all agents' actions are chosen.
+        entries: The partners; of a policy without its reference, the files are hashed.
+        cooking: Cooking mode of all partners.
+        mode: How policies choose their actions.
 
     Returns:
         What was written.
@@ -70,110 +91,81 @@ def write_manifest(
         PoolError: A file is missing, or an entry is not as it should be; nothing is written.
     """
     folder = Path(folder)
-
-    entries = tuple(_with_files(agent, folder) for agent in sorted(agents, key=_order))
-    manifest = Manifest(format=FORMAT, name=name, cooking=cooking, mode=mode, hash="", agents=entries)
+    whole = tuple(_with_files(entry, folder) for entry in sorted(entries, key=_order))
+    manifest = Manifest(format=FORMAT, name=name, cooking=cooking, mode=mode, hash="", entries=whole)
     try:  # as it will be read: an int in a float's place would be hashed differently
         manifest = msgspec.json.decode(msgspec.json.encode(manifest), type=Manifest)
-    except (msgspec.ValidationError, TypeError) as error:
+    except (msgspec.ValidationError, TypeError, UnicodeEncodeError) as error:
         raise PoolError(f"pool {name!r}: {error}") from None
-    manifest = msgspec.structs.replace(manifest, hash=pool_hash(manifest))
+    manifest = msgspec.structs.replace(manifest, hash=_sha256(_hashed(manifest)))
     _check(manifest, folder / MANIFEST)
-    for agent in entries:
-        check_files(folder, manifest, agent)
-        check_policy(folder, manifest, agent)
+    for entry in policies(manifest):
+        check_files(folder, manifest, entry)
+        check_policy(folder, manifest, entry)
+    folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / MANIFEST, msgspec.json.format(msgspec.json.encode(manifest), indent=2) + b"\n")
     return manifest
 
 
-def pool_hash(manifest: Manifest) -> str:
-    """Computes the pool's SHA-256: of the manifest without its hash, agents sorted by layout and name, keys sorted."""
-    agents = tuple(sorted(manifest.agents, key=_order))
-    return _sha256(msgspec.json.encode(msgspec.structs.replace(manifest, hash="", agents=agents), order="sorted"))
+def policies(manifest: Manifest) -> tuple[Entry, ...]:
+    """Lists the entries that are frozen policies, in the manifest's order."""
+    return tuple(entry for entry in manifest.entries if isinstance(entry.reference, PolicyReference))
 
 
-def _check(manifest: Manifest, file: Path) -> None:
-    if manifest.format not in (1, FORMAT):
-        raise PoolError(f"{file}: format {manifest.format}; this version reads formats 1 and {FORMAT}")
-    check_name(manifest.name, f"{file}: the pool's name", PoolError)
-    if not manifest.agents:
-        raise PoolError(f"{file}: lists no agents; a pool has at least one")
-    for agent in manifest.agents:
-        _check_entry(manifest, agent, file)
-    names = Counter(f"{agent.layout}/{agent.name}" for agent in manifest.agents)
-    for name, times in names.items():
-        if times > 1:
-            raise PoolError(f"{file}: {times} agents are named {name}; give each its own name")
-    weights = {f"{agent.layout}/{agent.name}": agent.files.weights.sha256 for agent in manifest.agents}
-    twice = [sha256 for sha256, times in Counter(weights.values()).items() if times > 1]
-    if twice:
-        same = sorted(name for name, sha256 in weights.items() if sha256 in twice)
-        raise PoolError(f"{file}: the agents {', '.join(same)} have the same weights; list each policy once")
-
-
-def _check_entry(manifest: Manifest, agent: PoolAgent, file: Path) -> None:
-    which = f"{file}, agent {agent.layout}/{agent.name}"
-    check_name(agent.name, f"{which}: the name", PoolError)
-    if agent.layout not in layout_names():
-        names = layout_names()
-        raise PoolError(
-            f"{which}: unknown layout {agent.layout!r}; {guess(agent.layout, names)}Shipped are {', '.join(names)}"
-        )
-    if (agent.cooking, agent.mode) != (manifest.cooking, manifest.mode):
-        raise PoolError(
-            f"{which}: cooking {agent.cooking!r} and mode {agent.mode!r} in a pool of {manifest.cooking!r} and "
-            f"{manifest.mode!r}; make one pool of each"
-        )
-    _check_told(manifest, agent, which)
-    for said, suffix in ((agent.files.weights.path, ".safetensors"), (agent.files.architecture.path, ".json")):
-        expected = f"{agent.layout}/{agent.name}{suffix}"
-        if said != expected:
-            outside = PurePosixPath(said).is_absolute() or ".." in PurePosixPath(said).parts
-            what = "points outside the pool's folder" if outside else "is not this agent's file"
-            raise PoolError(f"{which}: {said!r} {what}; its file is {expected!r}")
-
-
-def _check_told(manifest: Manifest, agent: PoolAgent, which: str) -> None:
-    """Makes sure that an entry tells what its format asks for, no less and no more."""
-    told = {"configuration": agent.configuration, "checkpoint": agent.checkpoint, "profile": agent.profile}
-    for key, value in told.items():
-        if (value is None) != (manifest.format == 1):
-            verb = "lacks" if value is None else "has"
-            raise PoolError(f"{which}: it {verb} {key!r}, which came with format 2; this one is {manifest.format}")
-    if agent.checkpoint is not None and not 0 <= agent.checkpoint <= 1:
-        raise PoolError(f"{which}: checkpoint is {agent.checkpoint}; give the share of the training done, from 0 to 1")
-
-
-def check_files(folder: Path, manifest: Manifest, agent: PoolAgent) -> None:
-    """Compares an agent's files with their hashes.
+def check_version(manifest: Manifest, entry: Entry) -> None:
+    """Makes sure that what plays an entry is what the pool means.
 
     Raises:
-        PoolError: One is missing, changed, or a link out of the folder.
+        PoolError: The scripted agent or the language of behaviours has another version here, or the agent is unknown.
     """
-    home = folder.resolve()
-    for file in (agent.files.weights, agent.files.architecture):
+    reference = entry.reference
+    if reference is None or isinstance(reference, PolicyReference):
+        return
+    if isinstance(reference, BehaviourReference):
+        what, here = "behaviours", VERSION
+    elif reference.agent in SCRIPTED:
+        what, here = f"the scripted agent {reference.agent!r}", SCRIPTED[reference.agent].version
+    else:
+        raise PoolError(
+            f"{_which(manifest, entry)}: there is no scripted agent {shown(reference.agent)!r}; "
+            f"{guess(reference.agent, SCRIPTED)}There are {', '.join(SCRIPTED)}"
+        )
+    if reference.version != here:
+        raise PoolError(
+            f"{_which(manifest, entry)}: the pool means version {reference.version} of {what}, this version of "
+            f"overcooked_bench has version {here}, which plays differently; use the release that the pool was made "
+            "for, or a newer pool"
+        )
+
+
+def check_files(folder: Path, manifest: Manifest, entry: Entry) -> None:
+    """Compares a policy's files with their hashes; other kinds of entry have no files.
+
+    Raises:
+        PoolError: One is missing, changed, no regular file, or a link out of the folder.
+    """
+    if not isinstance(entry.reference, PolicyReference):
+        return
+    home = os.path.realpath(folder)
+    for file in (entry.reference.weights, entry.reference.architecture):
         path = folder / file.path
-        try:
-            inside = path.resolve(strict=True).is_relative_to(home)
-        except (OSError, RuntimeError):
-            inside = True  # what is missing, or a link to itself, cannot be read either
-        if not inside:
+        if not Path(os.path.realpath(path)).is_relative_to(home):
             raise PoolError(
-                f"{_which(manifest, agent)}: {path} is a link that leads outside the pool's folder; copy the file"
+                f"{_which(manifest, entry)}: {path} is a link that leads outside the pool's folder; copy the file"
             )
         try:
-            data = read_regular(path, MOST_BYTES)
+            found = _sha256(read_regular(path, MOST_BYTES))
         except FileError as error:
-            raise PoolError(f"{_which(manifest, agent)}: {error}; restore it, or remove the entry") from None
-        if _sha256(data) != file.sha256:
+            raise PoolError(f"{_which(manifest, entry)}: {error}; restore it, or remove the entry") from None
+        if found != file.sha256:
             raise PoolError(
-                f"{_which(manifest, agent)}: {path} is not the file that the manifest was written for (SHA-256 "
-                f"{_sha256(data)[:12]}…, expected {file.sha256[:12]}…); restore it, or write a new manifest"
+                f"{_which(manifest, entry)}: {path} is not the file that the manifest was written for (SHA-256 "
+                f"{found[:12]}…, expected {file.sha256[:12]}…); restore it, or write a new manifest"
             )
 
 
-def check_policy(folder: Path, manifest: Manifest, agent: PoolAgent) -> "Policy":
-    """Reads an agent's policy and compares it with the manifest.
+def check_policy(folder: Path, manifest: Manifest, entry: Entry) -> "Policy":
+    """Reads a policy and compares it with the manifest.
 
     Raises:
         PolicyError: The two files are broken or do not fit each other.
@@ -181,31 +173,105 @@ def check_policy(folder: Path, manifest: Manifest, agent: PoolAgent) -> "Policy"
     """
     from overcooked_bench.agents.policies.policy import load_policy
 
-    policy = load_policy(folder / agent.layout / agent.name)
+    policy = load_policy(folder / entry.layout / entry.name)
     said = policy.architecture
-    if (said.layout, said.cooking) != (agent.layout, agent.cooking):
+    if (said.layout, said.cooking) != (entry.layout, manifest.cooking):
         raise PoolError(
-            f"{_which(manifest, agent)}: its JSON file says layout {said.layout!r} and cooking {said.cooking!r}, "
-            f"the manifest {agent.layout!r} and {agent.cooking!r}; correct the manifest's entry"
+            f"{_which(manifest, entry)}: its JSON file says layout {said.layout!r} and cooking {said.cooking!r}, "
+            f"the manifest {entry.layout!r} and {manifest.cooking!r}; correct the manifest"
         )
     return policy
 
 
-def _with_files(agent: AgentRecord, folder: Path) -> PoolAgent:
+def _check(manifest: Manifest, file: Path) -> None:
+    check_name(manifest.name, f"{file}: the pool's name", PoolError)
+    if not manifest.entries:
+        raise PoolError(f"{file}: lists no partners; a pool has at least one")
+    for entry in manifest.entries:
+        _check_entry(entry, f"{file}, agent {shown(entry.layout)}/{shown(entry.name)}")
+    for name, times in Counter(f"{entry.layout}/{entry.name}" for entry in manifest.entries).items():
+        if times > 1:
+            raise PoolError(f"{file}: {times} agents are named {name}; give each its own name")
+    plays: dict[object, list[str]] = {}
+    for entry in manifest.entries:
+        where = "" if isinstance(entry.reference, PolicyReference) else entry.layout
+        plays.setdefault((where, entry.sha256), []).append(f"{entry.layout}/{entry.name}")
+    for names in plays.values():
+        if len(names) > 1:
+            raise PoolError(
+                f"{file}: the agents {', '.join(sorted(names))} have the same weights, or are the same script; list "
+                "each once"
+            )
+
+
+def _check_entry(entry: Entry, which: str) -> None:
+    check_name(entry.name, f"{which}: its name", PoolError)
+    if entry.layout not in layout_names() and not _is_grid(entry):
+        raise PoolError(
+            f"{which}: unknown layout {shown(entry.layout)!r}; {guess(entry.layout, layout_names())}"
+            f"Shipped are {', '.join(layout_names())}; scripted partners may play a grid's text too"
+        )
+    for key in ("stratum", "lineage"):
+        if not getattr(entry, key).strip():
+            raise PoolError(f"{which}: its {key} is empty; write one")
+    measured = [(bound.seat, bound.side) for bound in entry.bounds or ()]
+    if len(set(measured)) < len(measured) or any(side < 0 for _, side in measured):
+        raise PoolError(f"{which}: its bounds are for {measured}; give each (seat, side) once, sides from 0")
+    if not isinstance(entry.reference, PolicyReference):
+        if entry.reference is None or entry.training is not None:
+            raise PoolError(f"{which}: a trained agent has a policy, any other reference and no training")
+        return
+    if entry.training is None:
+        raise PoolError(f"{which}: it is a policy, and lacks 'training', which says how it came to be")
+    if not 0 <= entry.training.done <= 1:
+        raise PoolError(
+            f"{which}: checkpoint is {entry.training.checkpoint}; give the share of the training done, from 0 to 1"
+        )
+    for said, suffix in ((entry.reference.weights.path, ".safetensors"), (entry.reference.architecture.path, ".json")):
+        expected = f"{entry.layout}/{entry.name}{suffix}"
+        if said != expected:
+            outside = PurePosixPath(said).is_absolute() or ".." in PurePosixPath(said).parts
+            what = "points outside the pool's folder" if outside else "is not this agent's file"
+            raise PoolError(f"{which}: {shown(said)!r} {what}; its file is {expected!r}")
+
+
+def _is_grid(entry: Entry) -> bool:
+    """Returns whether a partner without files is to play a kitchen of the user's own, named by its text."""
+    if "\n" not in entry.layout or isinstance(entry.reference, PolicyReference):
+        return False
+    try:
+        return Layout.from_text(entry.layout).name == entry.layout
+    except LayoutError:
+        return False
+
+
+def _with_files(entry: Entry, folder: Path) -> Entry:
+    if entry.reference is not None and not isinstance(entry.reference, PolicyReference):
+        return entry
+
     def hashed(suffix: str) -> HashedFile:
-        path = f"{agent.layout}/{agent.name}{suffix}"
-        return HashedFile(path=path, sha256=_sha256(read_regular(folder / path, MOST_BYTES, raises=PoolError)))
+        path = f"{entry.layout}/{entry.name}{suffix}"
+        try:
+            return HashedFile(path=path, sha256=_sha256(read_regular(folder / path, MOST_BYTES)))
+        except FileError as error:
+            raise PoolError(f"agent {entry.layout}/{entry.name}: {error}") from None
 
-    given = {name: getattr(agent, name) for name in AgentRecord.__struct_fields__}
-    return PoolAgent(**given, files=PoolFiles(weights=hashed(".safetensors"), architecture=hashed(".json")))
+    reference = PolicyReference(weights=hashed(".safetensors"), architecture=hashed(".json"))
+    return msgspec.structs.replace(entry, reference=reference)
 
 
-def _order(agent: AgentRecord) -> tuple[str, str]:
-    return agent.layout, agent.name
+def _hashed(manifest: Manifest) -> bytes:
+    """Returns what the pool's hash is of: everything but the hash, entries sorted by layout and name, keys sorted."""
+    entries = tuple(sorted(manifest.entries, key=_order))
+    return msgspec.json.encode(msgspec.structs.replace(manifest, hash="", entries=entries), order="sorted")
 
 
-def _which(manifest: Manifest, agent: PoolAgent) -> str:
-    return f"pool {manifest.name!r}, agent {agent.layout}/{agent.name}"
+def _order(entry: Entry) -> tuple[str, str]:
+    return entry.layout, entry.name
+
+
+def _which(manifest: Manifest, entry: Entry) -> str:
+    return f"pool {manifest.name!r}, agent {entry.layout}/{entry.name}"
 
 
 def _sha256(data: bytes) -> str:

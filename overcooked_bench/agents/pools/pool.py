@@ -1,6 +1,6 @@
-"""A pool: a frozen, hashed set of agents in a folder.
+"""A pool: a frozen, hashed set of partners in a folder.
 
-A pool's folder holds `manifest.json` and for each agent `<layout>/<name>.safetensors` and `<layout>/<name>.json`.
+A pool's folder holds `manifest.json` and for each policy `<layout>/<name>.safetensors` and `<layout>/<name>.json`.
 Neither torch nor numba is needed to read it, only to play it.
 """
 
@@ -13,42 +13,15 @@ from overcooked_bench.agents.pools.manifest import (
     PoolError,
     check_files,
     check_policy,
+    policies,
     read_manifest,
-    write_manifest,
 )
-from overcooked_bench.agents.pools.records import (
-    AgentRecord,
-    HashedFile,
-    Manifest,
-    PoolAgent,
-    PoolFiles,
-    Profile,
-    SeatProfile,
-    SelfPlay,
-)
+from overcooked_bench.agents.pools.records import Entry, Manifest
 from overcooked_bench.kitchen.layout import layout_names
 from overcooked_bench.shelf import Shelf, guess
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.policies.policy import Policy
-
-__all__ = [
-    "AgentRecord",
-    "HashedFile",
-    "Manifest",
-    "Pool",
-    "PoolAgent",
-    "PoolError",
-    "PoolFiles",
-    "Profile",
-    "SeatProfile",
-    "SelfPlay",
-    "find_pool",
-    "read_manifest",
-    "shipped_pools",
-    "write_manifest",
-]
-
 
 _SHELF: Final = Shelf(
     "pool", "overcooked_bench.baselines", f"/{MANIFEST}", PoolError, f"a folder with a {MANIFEST}", "pools"
@@ -57,10 +30,10 @@ _SHELF: Final = Shelf(
 
 @dataclass(frozen=True)
 class Pool:
-    """A pool whose files were verified; `Pool.load` gives it.
+    """A pool whose files were verified, as `Pool.load` returns it.
 
     Attributes:
-        folder: Where it lies.
+        folder: Where it is.
         manifest: What it says about itself.
     """
 
@@ -80,8 +53,8 @@ class Pool:
         """
         folder = find_pool(name_or_folder)
         manifest = read_manifest(folder)
-        for agent in manifest.agents:
-            check_files(folder, manifest, agent)
+        for entry in manifest.entries:
+            check_files(folder, manifest, entry)
         return cls(folder, manifest)
 
     @property
@@ -101,47 +74,56 @@ class Pool:
 
     @property
     def mode(self) -> str:
-        """How the agents' actions are chosen: "sample" or "greedy"."""
+        """How policies choose their actions: "sample" or "greedy"."""
         return self.manifest.mode
 
     @property
     def layouts(self) -> tuple[str, ...]:
-        """The layouts that have agents, in the order of `layout_names`."""
-        present = {agent.layout for agent in self.manifest.agents}
-        return tuple(name for name in layout_names() if name in present)
+        """The layouts that have partners, in the order of `layout_names`, then grids' texts."""
+        present = {entry.layout for entry in self.manifest.entries}
+        shipped = tuple(name for name in layout_names() if name in present)
+        return *shipped, *sorted(present - set(shipped))
 
-    def agents(self, layout: str) -> tuple[PoolAgent, ...]:
-        """Lists a layout's agents by name; none for a layout that the pool does not cover."""
-        found = (agent for agent in self.manifest.agents if agent.layout == layout)
-        return tuple(sorted(found, key=lambda agent: agent.name))
+    def partners(self, layout: str) -> tuple[Entry, ...]:
+        """Lists everyone that is played on a layout, floors too, by name; none for a layout that it does not cover."""
+        return _on(layout, self.manifest.entries)
 
-    def agent(self, layout: str, name: str) -> PoolAgent:
-        """Gives one entry.
+    def agents(self, layout: str) -> tuple[Entry, ...]:
+        """Lists the frozen policies among the partners, by name: what a learner may train with."""
+        return _on(layout, policies(self.manifest))
+
+    def agent(self, layout: str, name: str) -> Entry:
+        """Returns the entry of a frozen policy.
 
         Raises:
             PoolError: No such layout or agent; names the nearest.
         """
         if layout not in self.layouts:
             raise PoolError(f"pool {self.name!r} has no agents for {layout!r}; it has {', '.join(self.layouts)}")
-        named = {agent.name: agent for agent in self.agents(layout)}
+        named = {entry.name: entry for entry in self.agents(layout)}
         if name not in named:
             raise PoolError(
-                f"pool {self.name!r} has no agent {name!r} on {layout}; {guess(name, named)}It has {', '.join(named)}"
+                f"pool {self.name!r} has no trained agent {name!r} on {layout}; {guess(name, named)}"
+                f"It has {', '.join(named) or 'none'}"
             )
         return named[name]
 
     def policy(self, layout: str, name: str) -> "Policy":
-        """Reads one agent's policy, once.
+        """Reads one policy, once.
 
         Raises:
             PoolError: No such agent, or its files were changed since the pool was loaded.
             PolicyError: Its files do not fit each other.
         """
         if (layout, name) not in self._policies:
-            agent = self.agent(layout, name)
-            check_files(self.folder, self.manifest, agent)
-            self._policies[layout, name] = check_policy(self.folder, self.manifest, agent)
+            entry = self.agent(layout, name)
+            check_files(self.folder, self.manifest, entry)
+            self._policies[layout, name] = check_policy(self.folder, self.manifest, entry)
         return self._policies[layout, name]
+
+
+def _on(layout: str, entries: tuple[Entry, ...]) -> tuple[Entry, ...]:
+    return tuple(sorted((entry for entry in entries if entry.layout == layout), key=lambda entry: entry.name))
 
 
 def shipped_pools() -> tuple[str, ...]:
@@ -150,12 +132,12 @@ def shipped_pools() -> tuple[str, ...]:
 
 
 def is_pool(name_or_folder: str | Path) -> bool:
-    """Tells whether this is a shipped pool's name, or a folder with a manifest."""
+    """Returns whether this is a shipped pool's name, or a folder with a manifest."""
     return _SHELF.file(name_or_folder) is not None
 
 
 def find_pool(name_or_folder: str | Path) -> Path:
-    """Gives the folder of a shipped pool's name or of a folder.
+    """Returns the folder of a shipped pool's name or of a folder.
 
     Raises:
         PoolError: No such pool; names the shipped ones.

@@ -1,12 +1,18 @@
-"""What a pool's manifest says about each of its agents."""
+"""What a pool's manifest says about each partner."""
 
+import json
 from typing import Any, Literal
 
 import msgspec
 
+from overcooked_bench.agents.scripted import scripted_sha256
+
+Role = Literal["partner", "floor"]
+"""A partner counts; a floor is played and shown, and enters no score."""
+
 
 class Record(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
-    """A part of a manifest; what is not told is not written, so that it does not enter the hash."""
+    """A part of a manifest. Optional keys default to None and are then left out of the file and of its hash."""
 
 
 class SelfPlay(Record, frozen=True, kw_only=True):
@@ -78,8 +84,8 @@ class HashedFile(Record, frozen=True, kw_only=True):
     sha256: str
 
 
-class PoolFiles(Record, frozen=True, kw_only=True):
-    """An agent's two files.
+class PolicyReference(Record, frozen=True, kw_only=True, tag_field="kind", tag="policy"):
+    """A frozen policy: two files in the pool's folder.
 
     Attributes:
         weights: `<layout>/<name>.safetensors`.
@@ -89,68 +95,157 @@ class PoolFiles(Record, frozen=True, kw_only=True):
     weights: HashedFile
     architecture: HashedFile
 
+    @property
+    def sha256(self) -> str:
+        """Hash of the weights."""
+        return self.weights.sha256
 
-class AgentRecord(Record, frozen=True, kw_only=True):
-    """How an agent of a pool came to be, and what it does.
+
+class ScriptedReference(Record, frozen=True, kw_only=True, tag_field="kind", tag="scripted"):
+    """A scripted agent of the catalogue.
 
     Attributes:
-        name: Unique on its layout.
-        layout: The shipped layout it plays.
+        agent: Its name there.
+        version: The version that the pool means; no other one is played.
+    """
+
+    agent: str
+    version: int
+
+    @property
+    def sha256(self) -> str:
+        """Hash of name and version, that of the catalogue."""
+        return scripted_sha256(self.agent, self.version)
+
+
+class BehaviourReference(Record, frozen=True, kw_only=True, tag_field="kind", tag="behaviour"):
+    """A behaviour, as scenarios write their partners.
+
+    Attributes:
+        behaviour: The mapping with `does` and its parameters.
+        version: The version of the language of behaviours that the pool means; no other one is played.
+    """
+
+    behaviour: dict[str, Any]
+    version: int
+
+    @property
+    def text(self) -> str:
+        """The mapping as the catalogue reads it."""
+        return json.dumps(self.behaviour, sort_keys=True)
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the mapping and the version, that of the catalogue."""
+        return scripted_sha256(f"script:{self.text}/{self.version}", 1)
+
+
+class Training(Record, frozen=True, kw_only=True):
+    """How a frozen policy came to be, and what it does.
+
+    Attributes:
         method: How it was trained, such as "self-play".
         seed: Its training seed.
         namespace: What the seed was derived in.
-        lineage: Equal for agents that are tied by initialisation, training partners or checkpoints.
-        training: The training's settings.
-        steps: Joint steps of training up to this agent.
-        cooking: Cooking mode it was trained under.
-        mode: How its actions are chosen.
+        settings: The training's settings.
+        steps: Joint steps of training up to this policy.
         self_play: Its return with itself.
         configuration: Name of the method's configuration that the settings came from; None in format 1.
         checkpoint: Share of its run's training that it has had, from 0 (untrained) to 1 (final); None in format 1.
         profile: What it does with itself; None in format 1.
     """
 
-    name: str
-    layout: str
     method: str
     seed: int
     namespace: str
-    lineage: str
-    training: dict[str, Any]
+    settings: dict[str, Any]
     steps: int
-    cooking: Literal["auto", "manual"]
-    mode: Literal["sample", "greedy"]
     self_play: SelfPlay
     configuration: str | None = None
     checkpoint: float | None = None
     profile: Profile | None = None
 
-
-class PoolAgent(AgentRecord, frozen=True, kw_only=True):
-    """One agent of a pool.
-
-    Attributes:
-        files: Where it lies.
-    """
-
-    files: PoolFiles
+    @property
+    def done(self) -> float:
+        """Share of its run's training that it has had; policies of format 1 are final."""
+        return 1.0 if self.checkpoint is None else self.checkpoint
 
     @property
-    def trained(self) -> float:
-        """Share of its run's training that it has had; agents of format 1 are final."""
-        return 1.0 if self.checkpoint is None else self.checkpoint
+    def stratum(self) -> str:
+        """The stratum of a policy about which nothing else is said."""
+        if self.done < 1:
+            return "half-trained" if self.done > 0 else "untrained"
+        return {"self-play": "self-play", "biased-self-play": "biased"}.get(self.method, "generalist")
+
+
+class Bound(Record, frozen=True, kw_only=True):
+    """What can be reached with a partner from one seat and side.
+
+    Attributes:
+        seat: Seat of the other agent, 0 or 1.
+        side: Region that the other agent starts in; 0 where the floor is one region.
+        floor: Points per episode of an agent that never moves.
+        ceiling: Points per episode of the best response that is known.
+        responder: Reference of that best response.
+        responder_sha256: Hash of what it is.
+    """
+
+    seat: Literal[0, 1]
+    side: int
+    floor: float
+    ceiling: float
+    responder: str
+    responder_sha256: str
+
+
+class Entry(Record, frozen=True, kw_only=True):
+    """One partner on one layout.
+
+    Attributes:
+        name: Unique on its layout.
+        layout: The shipped layout that it plays; of scripted partners also a grid's text.
+        reference: What plays; None only for `write_manifest`, which hashes the policy's files at `<layout>/<name>`.
+        role: "partner" counts, "floor" is shown apart.
+        stratum: Its origin: "self-play", "biased", "half-trained", "generalist", "scripted", "human", ...
+        lineage: Equal for entries that are tied by initialisation, training partners, data or checkpoints.
+        convention: Equal for partners that go together; None where nobody has grouped them.
+        bounds: What can be reached with it, by seat and side; None where nobody has measured it.
+        training: How it was trained; policies have one, other kinds do not.
+    """
+
+    name: str
+    layout: str
+    reference: PolicyReference | ScriptedReference | BehaviourReference | None
+    role: Role
+    stratum: str
+    lineage: str
+    convention: str | None = None
+    bounds: tuple[Bound, ...] | None = None
+    training: Training | None = None
+
+    @property
+    def sha256(self) -> str:
+        """Hash of what plays."""
+        assert self.reference is not None
+        return self.reference.sha256
+
+    @property
+    def trained(self) -> Training:
+        """How a policy was trained; only for entries of policies."""
+        assert self.training is not None
+        return self.training
 
 
 class Manifest(Record, frozen=True, kw_only=True):
     """What `manifest.json` holds.
 
     Attributes:
-        format: Version of this file format.
+        format: Version of the file's format.
         name: The pool's name.
-        cooking: Cooking mode of all its agents.
-        mode: How all its agents' actions are chosen.
-        hash: SHA-256 of everything else, agents sorted by layout and name.
-        agents: The entries.
+        cooking: Cooking mode of all its partners.
+        mode: How its policies' actions are chosen.
+        hash: SHA-256 of everything else, entries sorted by layout and name; of an older format that of the file.
+        entries: The partners.
     """
 
     format: int
@@ -158,4 +253,4 @@ class Manifest(Record, frozen=True, kw_only=True):
     cooking: Literal["auto", "manual"]
     mode: Literal["sample", "greedy"]
     hash: str
-    agents: tuple[PoolAgent, ...]
+    entries: tuple[Entry, ...]

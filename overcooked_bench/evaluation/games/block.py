@@ -18,7 +18,7 @@ from overcooked_bench.agents.watch import LOADING, calling
 from overcooked_bench.evaluation.games.episode import Episode, pack_actions, pack_state, side_of
 from overcooked_bench.evaluation.games.play import Games, make_kitchens, play
 from overcooked_bench.evaluation.games.roster import Partner, pool_as_hashed, roster, seat_partners
-from overcooked_bench.evaluation.games.streams import stream_key
+from overcooked_bench.evaluation.games.streams import Streams
 from overcooked_bench.evaluation.protocol import Protocol
 from overcooked_bench.kitchen.layout import MIRRORED, Layout
 
@@ -34,8 +34,9 @@ class Block:
         agent: Name or path of the scored agent.
         agent_sha256: Hash of what it was when the score began.
         protocol: What is played.
-        pool: Folder of the trained partners, or None.
-        pool_sha256: Its hash when the score began, or None.
+        salt: The run's salt, which every stream depends on.
+        pool: Folder of the pool.
+        pool_sha256: Its hash when the score began.
         seed: Of the whole score.
         layout: Where.
         training_seed: Which training run of the agent.
@@ -45,12 +46,18 @@ class Block:
     agent: str
     agent_sha256: str
     protocol: Protocol
-    pool: str | None
-    pool_sha256: str | None
+    salt: str
+    pool: str
+    pool_sha256: str
     seed: int
     layout: str
     training_seed: int
     episode: int
+
+    @property
+    def streams(self) -> Streams:
+        """The random streams of its episodes."""
+        return Streams(self.protocol.sha256, self.salt, self.seed, self.layout, self.episode)
 
     @property
     def key(self) -> tuple[str, int, int]:
@@ -85,11 +92,11 @@ def play_block(block: Block) -> Outcome:
         AgentError: The agent was changed since the score began.
         PoolError: The pool was.
     """
-    partners = roster(block.protocol, pool_as_hashed(block.pool, block.pool_sha256), block.layout)
+    partners = roster(pool_as_hashed(block.pool, block.pool_sha256), block.layout)
     who, seats = _deal(block, partners)
     with one_thread():
         with calling("loading", LOADING):
-            make = find_unchanged(block.agent, block.agent_sha256, block.protocol.mode).make
+            make = find_unchanged(block.agent, block.agent_sha256, block.protocol.play.mode).make
         try:
             try:
                 games, adapted = _play(block, make, partners, who, seats, adapted=False), False
@@ -116,27 +123,28 @@ def _play(
     seats: NDArray[np.int64],
     adapted: bool,
 ) -> Games:
-    protocol, layout = block.protocol, block.layout
+    rules, layout = block.protocol.play, block.layout
     pool = pool_as_hashed(block.pool, block.pool_sha256)
-    with _seeded(stream_key(*_belongs(block), block.training_seed)):
+    with _seeded(block.streams.of_process(block.training_seed)):
         with calling("make_agent", LOADING):
             ego = make(layout.removesuffix(MIRRORED) if adapted else layout, block.training_seed)
         parties = [
             Seated(mirrored(ego) if adapted else ego, EGO, np.arange(len(who)), seats),
-            *seat_partners(partners, who, 1 - seats, pool, protocol.mode, layout),
+            *seat_partners(partners, who, 1 - seats, pool, rules.mode, layout),
         ]
         kitchens = make_kitchens(
             layout,
             len(who),
             parties,
-            cooking=protocol.cooking,
-            horizon=protocol.horizon,
-            start=protocol.start,
-            object_probability=protocol.object_probability,
+            cooking=rules.cooking,
+            horizon=rules.horizon,
+            start=rules.start,
+            object_probability=rules.object_probability,
         )
-        starts = [stream_key(*_belongs(block), partner.sha256, "start") for partner in partners]
-        kitchens.reset(seed=np.array(starts, np.uint64)[who])
-        return play(kitchens, parties, _streams(block, partners, who, seats))
+        streams = block.streams
+        starts = np.array([streams.start(partner.sha256) for partner in partners], np.uint64)
+        kitchens.reset(seed=starts[who])
+        return play(kitchens, parties, streams.seeds([partners[index].sha256 for index in who], seats))
 
 
 def _episodes(
@@ -161,39 +169,19 @@ def _episodes(
         )
 
 
-def _belongs(block: Block) -> tuple[str, int, str, int]:
-    """Gives what every stream of an episode depends on besides its partner."""
-    return block.protocol.sha256, block.seed, block.layout, block.episode
-
-
 def _deal(block: Block, partners: Sequence[Partner]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Deals the rows: (N,) partner and (N,) seat of the scored agent, in an order that tells it nothing."""
-    hands = [(index, seat) for index in range(len(partners)) for seat in sorted(block.protocol.seats)]
-    hands.sort(key=lambda hand: stream_key(*_belongs(block), partners[hand[0]].sha256, "row", hand[1]))
-    who, seats = np.array(hands, np.int64).T
+    """Deals the rows: (N,) partner and (N,) seat of the scored agent, in an order that depends on nobody's hash."""
+    hands = [(index, seat) for index in range(len(partners)) for seat in sorted(block.protocol.play.seats)]
+    who, seats = np.array([hands[k] for k in block.streams.order(len(hands))], np.int64).T
     return np.ascontiguousarray(who), np.ascontiguousarray(seats)
-
-
-def _streams(
-    block: Block, partners: Sequence[Partner], who: NDArray[np.int64], seats: NDArray[np.int64]
-) -> NDArray[np.uint64]:
-    """Gives the random stream of the agent on each seat: (N, 2); the roles' streams differ."""
-    streams = np.empty((len(who), 2), np.uint64)
-    for row, (index, seat) in enumerate(zip(who.tolist(), seats.tolist(), strict=True)):
-        parts = (*_belongs(block), partners[index].sha256, seat)
-        streams[row, seat] = stream_key(*parts, "ego")
-        streams[row, 1 - seat] = stream_key(*parts, "partner")
-    return streams
 
 
 def _blame(
     fault: SeatedFault, block: Block, partners: Sequence[Partner], who: NDArray[np.int64], seats: NDArray[np.int64]
 ) -> str:
     if fault.row is None:
-        names = ", ".join(partner.name for partner in partners)
-        where = (
-            f"partners {names} (one call plays them all), seats {' and '.join(map(str, sorted(block.protocol.seats)))}"
-        )
+        names, every = ", ".join(partner.name for partner in partners), sorted(block.protocol.play.seats)
+        where = f"partners {names} (one call plays them all), seats {' and '.join(map(str, every))}"
     else:
         where = f"partner {partners[who[fault.row]].name}, seat {seats[fault.row]}"
     cell = f"{block.layout}, training seed {block.training_seed}, episode {block.episode}"

@@ -3,12 +3,13 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
 from overcooked_bench.evaluation.games.episode import Episode
 from overcooked_bench.evaluation.games.store import Store, StoreError
-from overcooked_bench.evaluation.protocol import Protocol
+from overcooked_bench.evaluation.protocol import Protocol, upgrade
 from overcooked_bench.evaluation.score import EPISODES_FILE
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.rendering.replay import Frame, frames_of, play_in_terminal, save_gif
@@ -57,11 +58,11 @@ class Recording:
             StoreError: The start state or the joint actions cannot be played, or do not bring the points that were
                 recorded.
         """
-        horizon, points = self.protocol.horizon, 0.0
+        rules, points = self.protocol.play, 0.0
         try:
             layout, start = self.layout, self.episode.first_state
-            actions = self.episode.joint_actions(horizon)
-            for state, points in frames_of(layout, start, actions, cooking=self.protocol.cooking, horizon=horizon):
+            actions = self.episode.joint_actions(rules.horizon)
+            for state, points in frames_of(layout, start, actions, cooking=rules.cooking, horizon=rules.horizon):
                 yield state, points
         except (ValueError, LookupError, ArithmeticError, RecursionError) as error:
             raise StoreError(f"{self.file}: {self.episode.cell} cannot be replayed: {error}") from error
@@ -122,7 +123,8 @@ def read_settings(store: Store) -> Protocol:
         StoreError: It is missing or damaged.
     """
     try:
-        return msgspec.json.decode(store.facts.get("settings", ""), type=Protocol)
+        settings = msgspec.json.decode(store.facts.get("settings", ""), type=dict[str, Any])
+        return msgspec.convert(upgrade(settings), Protocol)
     except (ValueError, RecursionError) as error:
         raise StoreError(f"{store.file}: the protocol that it was played under cannot be read ({error})") from error
 

@@ -13,12 +13,14 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.agents.pools.pool import Pool, PoolAgent, PoolError
+from overcooked_bench.agents.pools.manifest import PoolError
+from overcooked_bench.agents.pools.pool import Pool
+from overcooked_bench.agents.pools.records import Entry
 from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.games.engines import map_tasks
 from overcooked_bench.evaluation.games.play import make_kitchens, play
-from overcooked_bench.evaluation.games.roster import TRAINED, Partner, pool_as_hashed, seat_partners
+from overcooked_bench.evaluation.games.roster import Partner, pool_as_hashed, seat_partners
 from overcooked_bench.evaluation.games.streams import stream_key
 from overcooked_bench.evaluation.pools.matrix import agreement
 from overcooked_bench.evaluation.scores import Source
@@ -123,7 +125,7 @@ class _Row(NamedTuple):
     horizon: int
 
 
-def choose(pool: Pool, layout: str, patterns: Sequence[str] = (), checkpoints: bool = False) -> tuple[PoolAgent, ...]:
+def choose(pool: Pool, layout: str, patterns: Sequence[str] = (), checkpoints: bool = False) -> tuple[Entry, ...]:
     """Chooses agents of a layout.
 
     Args:
@@ -144,10 +146,10 @@ def choose(pool: Pool, layout: str, patterns: Sequence[str] = (), checkpoints: b
             raise PoolError(f"pool {pool.name!r}, {layout}: no agent is named {pattern!r}; there are {names}")
     chosen = [a for a in agents if not patterns or any(fnmatchcase(a.name, pattern) for pattern in patterns)]
     if not checkpoints:
-        most: dict[str, PoolAgent] = {}
+        most: dict[str, Entry] = {}
         for agent in chosen:
             known = most.setdefault(agent.lineage, agent)
-            if agent.trained > known.trained:
+            if agent.trained.done > known.trained.done:
                 most[agent.lineage] = agent
         chosen = sorted(most.values(), key=lambda agent: agent.name)
     if len({agent.lineage for agent in chosen}) < 2:
@@ -158,7 +160,7 @@ def choose(pool: Pool, layout: str, patterns: Sequence[str] = (), checkpoints: b
 def cross_play(
     pool: Pool,
     layout: str,
-    agents: Sequence[PoolAgent] | None = None,
+    agents: Sequence[Entry] | None = None,
     episodes: int = EPISODES,
     seed: int = 0,
     horizon: int = 400,
@@ -203,10 +205,10 @@ def cross_play(
         agents=tuple(
             Player(
                 name=agent.name,
-                method=agent.method,
+                method=agent.trained.method,
                 lineage=agent.lineage,
-                checkpoint=agent.trained,
-                sha256=agent.files.weights.sha256,
+                checkpoint=agent.trained.done,
+                sha256=agent.sha256,
             )
             for agent in chosen
         ),
@@ -222,9 +224,8 @@ def cross_play(
 def _play_row(row: _Row) -> tuple[int, NDArray[np.float64]]:
     """Plays one agent on seat 0 with all on seat 1: its index and (P, E) returns."""
     pool = pool_as_hashed(row.pool, row.pool_sha256)
-    assert pool is not None
     found = [pool.agent(row.layout, name) for name in row.agents]
-    partners = [Partner(agent.name, agent.files.weights.sha256, TRAINED) for agent in found]
+    partners = [Partner(agent) for agent in found]
     size, mine = len(partners), partners[row.first].sha256
     others = np.repeat(np.arange(size), row.episodes)
     firsts, seat = np.full(len(others), row.first), np.zeros(len(others), np.int64)

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from overcooked_bench.agents.policies.neural import PolicyStack
 from overcooked_bench.agents.policies.policy import PolicyError
 from overcooked_bench.agents.pools.lineage import Finding, check_lineages
-from overcooked_bench.agents.pools.pool import Pool, PoolError, find_pool, read_manifest, shipped_pools
+from overcooked_bench.agents.pools.manifest import PoolError, read_manifest
+from overcooked_bench.agents.pools.pool import Pool, find_pool, shipped_pools
 from overcooked_bench.agents.seated import SeatedFault
 from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.evaluation.games.play import make_kitchens, play
-from overcooked_bench.evaluation.games.roster import TRAINED, Partner, seat_partners
+from overcooked_bench.evaluation.games.roster import Partner, seat_partners
 from overcooked_bench.evaluation.games.streams import stream_key
 from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
 
@@ -89,8 +90,8 @@ def verify_pool(
 
 def _compare(pool: Pool, layout: str, horizon: int) -> list[Finding]:
     """Plays every agent with itself, and names those that act alike."""
-    names = [agent.name for agent in pool.agents(layout)]
-    partners = [Partner(agent.name, agent.files.weights.sha256, TRAINED) for agent in pool.agents(layout)]
+    partners = [Partner(entry) for entry in pool.agents(layout)]
+    names = [partner.name for partner in partners]
     policies = [pool.policy(layout, name) for name in names]
     who, seat = np.arange(len(names)), np.zeros(len(names), np.int64)
     seen: dict[str, list[NDArray[np.uint8]]] = {policy.architecture.observation: [] for policy in policies}

@@ -56,7 +56,7 @@ def _draw_layout(axes: "Axes", layout: LayoutScore, colour: str, marker: str) ->
 
 def _dress(axes: "Axes", scores: Scores) -> None:
     worth = sorted({layout.soup_points for layout in scores.layouts})
-    for points, soups in product(worth or [DEFAULT_SOUP_REWARD], scores.settings.thresholds):
+    for points, soups in product(worth or [DEFAULT_SOUP_REWARD], scores.settings.report.thresholds):
         axes.axhline(points * soups, color="#999999", linewidth=0.8, linestyle=":")
         label = f"{soups:g} soup" + "s" * (soups != 1) + f" of {points:g}" * (len(worth) > 1)
         axes.annotate(

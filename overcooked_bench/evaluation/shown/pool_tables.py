@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from overcooked_bench.agents.pools.pool import Pool, PoolAgent
-from overcooked_bench.agents.pools.records import Profile, SeatProfile
+from overcooked_bench.agents.pools.manifest import policies
+from overcooked_bench.agents.pools.pool import Pool
+from overcooked_bench.agents.pools.records import Entry, Profile, SeatProfile
 from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.pools.crossplay import CrossPlay
 from overcooked_bench.evaluation.shown.tables import interval_text, plain_table
@@ -17,18 +18,20 @@ DEEDS = ("pots", "deliveries", "counter_drops", "counter_pickups")
 
 
 def pool_tables(pool: Pool, layouts: Sequence[str]) -> "Group":
-    """Lays a pool out: one table a layout, one row an agent."""
+    """Lays a pool out: one table per layout, one row per partner."""
     from rich.console import Group
     from rich.text import Text
 
-    size = len(pool.manifest.agents)
-    head = f"{pool.name} ({pool.hash[:8]}) · {size} agents · cooking {pool.cooking} · actions {pool.mode}"
+    trained = len(policies(pool.manifest))
+    others = len(pool.manifest.entries) - trained
+    size = f"{trained} trained agents" + f", {others} scripted entries" * bool(others)
+    head = f"{pool.name} ({pool.hash[:8]}) · {size} · cooking {pool.cooking} · actions {pool.mode}"
     parts: list[Table | Text] = [Text(head, style="bold")]
     for layout in layouts:
-        parts += [Text(""), Text(layout, style="bold"), _agents(pool.agents(layout))]
+        parts += [Text(""), Text(layout, style="bold"), _agents(pool.partners(layout))]
     note = (
-        "With itself: points an episode [95 % over episodes]; seats: points of the soups that its own chef delivers. "
-        "Done: share of the run's steps. Nats: entropy of its actions (uniform: 1.79). How often in an episode, both "
+        "With itself: points per episode [95 % over episodes]; seats: points of the soups that its own chef delivers. "
+        "Done: share of the run's steps. Nats: entropy of its actions (uniform: 1.79). How often per episode, both "
         "chefs: put into pots, served, dropped on counters, picked from counters."
     )
     return Group(*parts, Text(""), Text(note, style="dim"))
@@ -59,16 +62,24 @@ def crossplay_tables(found: Sequence[CrossPlay]) -> "Group":
     return Group(table, Text(""), Text(note, style="dim"))
 
 
-def _agents(agents: Sequence[PoolAgent]) -> "Table":
-    profiled = any(agent.profile for agent in agents)
+def _agents(agents: Sequence[Entry]) -> "Table":
+    profiled = any(agent.training and agent.training.profile for agent in agents)
     columns = ("seats", "nats", "pots", "served", "drops", "picks") if profiled else ()
     table = plain_table("agent", "method", "done", "with itself", *columns, unbroken=("method", "with itself", "seats"))
     for agent in agents:
-        method = agent.method + (f" {agent.configuration}" if agent.configuration else "")
-        returns = interval_text(Estimate(agent.self_play.mean, agent.self_play.low, agent.self_play.high), 0)
-        cells = [] if agent.profile is None else _profile(agent.profile)
-        table.add_row(agent.name, method, f"{100 * agent.trained:.0f} %", returns, *cells)
+        table.add_row(agent.name, *_cells(agent))
     return table
+
+
+def _cells(agent: Entry) -> list[str]:
+    training = agent.training
+    if training is None:
+        return [agent.stratum + ", floor" * (agent.role == "floor")]
+    method = training.method + (f" {training.configuration}" if training.configuration else "")
+    own = training.self_play
+    returns = interval_text(Estimate(own.mean, own.low, own.high), 0)
+    cells = [] if training.profile is None else _profile(training.profile)
+    return [method, f"{100 * training.done:.0f} %", returns, *cells]
 
 
 def _profile(profile: Profile) -> list[str]:

@@ -83,8 +83,8 @@ def _table(head: Iterable[str], rows: Iterable[Iterable[str]], last: Iterable[st
 
 
 def _score_table(scores: Scores) -> str:
-    levels = scores.settings.thresholds
-    seats = [f"seat {seat}" for seat in scores.settings.seats]
+    levels = scores.settings.report.thresholds
+    seats = [f"seat {seat}" for seat in scores.settings.play.seats]
     head = ["layout", "mean [95 %]", *seats, *(f"≥ {soups:g}" for soups in levels), "worst 15 %", "worst", "best"]
     rows = [
         [
@@ -135,7 +135,7 @@ def _replay_command(folder: Path, layout: str, cell: Cell) -> str:
 
 
 def _partner_table(layout: LayoutScore, scores: Scores) -> str:
-    seats = [f"seat {seat}" for seat in scores.settings.seats]
+    seats = [f"seat {seat}" for seat in scores.settings.play.seats]
     head = ["partner", "kind", "mean [95 %]", *seats, "own soups", "partner's soups", "SHA-256"]
     rows = [
         [
@@ -169,14 +169,15 @@ def _curve_note(scores: Scores) -> str:
 
 
 def _facts(scores: Scores) -> str:
-    s, suite = scores.settings, scores.scenarios and scores.scenarios.suite
+    s, suite = scores.settings.play, scores.scenarios and scores.scenarios.suite
     facts = {
         "agent": f"{scores.agent.name}, SHA-256 {scores.agent.sha256}",
-        "protocol": f"{scores.protocol.name}, version {s.version}, SHA-256 {scores.protocol.sha256}",
+        "protocol": f"{scores.protocol.name}, version {scores.settings.version}, SHA-256 {scores.protocol.sha256}",
         "pool": f"{scores.pool.name}, SHA-256 {scores.pool.sha256}" if scores.pool else "none",
-        "episodes": f"{s.episodes} start states a partner, {s.horizon} steps, cooking {s.cooking}, start {s.start}",
+        "episodes": f"{s.episodes} start states per partner, {s.horizon} steps, cooking {s.cooking}, start {s.start}",
         "frozen policies": f"mode {s.mode}",
         "seed": str(scores.seed),
+        "salt": scores.salt,
         "run": ", ".join(f"{key} {value}" for key, value in scores.run.items() if not isinstance(value, dict)),
         "scenarios": f"{suite.name}, SHA-256 {suite.sha256}" if suite else "not played",
         "versions": ", ".join(f"{key} {value}" for key, value in scores.run.get("versions", {}).items()),

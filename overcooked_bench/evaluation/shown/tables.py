@@ -32,7 +32,7 @@ def score_tables(scores: Scores) -> "Group":
 def notes(scores: Scores) -> list[str]:
     """Says in words what the table does not: what the intervals are about, what is undecided, what was not played."""
     said = [f"Points per episode ({_worth(scores)}). {scores.interval}"]
-    levels = ", ".join(f"{soups:g}" for soups in scores.settings.thresholds)
+    levels = ", ".join(f"{soups:g}" for soups in scores.settings.report.thresholds)
     if levels:
         said.append(f"≥{levels.replace(', ', ', ≥')}: share of partners with a mean of at least so many soups.")
     if any(layout.floors for layout in scores.layouts):
@@ -80,8 +80,8 @@ def cell_text(cell: Cell) -> str:
 
 def _layouts(scores: Scores) -> "Table":
     """Draws means, seats and shares; 80 columns are enough."""
-    table = plain_table("layout", "mean [95 %]", *(f"seat {seat}" for seat in scores.settings.seats))
-    for soups in scores.settings.thresholds:
+    table = plain_table("layout", "mean [95 %]", *(f"seat {seat}" for seat in scores.settings.play.seats))
+    for soups in scores.settings.report.thresholds:
         table.add_column(f"≥{soups:g}", justify="right", no_wrap=True)
     for layout in scores.layouts:
         seats = [f"{seat.value:.1f}" for seat in layout.seats]

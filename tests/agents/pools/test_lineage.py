@@ -1,7 +1,7 @@
 import pytest
 
 from overcooked_bench.agents.pools.lineage import check_lineages
-from overcooked_bench.agents.pools.pool import read_manifest, write_manifest
+from overcooked_bench.agents.pools.manifest import read_manifest, write_manifest
 from tests.agents.made import record, write_policy
 
 
@@ -28,7 +28,7 @@ def test_independent_agents_and_checkpoints_of_a_run_are_fine(tmp_path):
     ("other", "message"),
     [
         (RUN, "sp-0, sp-1 are the same checkpoint, 1.0"),
-        (RUN | {"checkpoint": 0.5, "training": {}}, "they differ in training"),
+        (RUN | {"checkpoint": 0.5, "settings": {}}, "they differ in settings"),
         (RUN | {"checkpoint": 0.5, "method": "other"}, "they differ in method"),
         (RUN | {"checkpoint": 0.5, "configuration": "other"}, "they differ in configuration"),
         (RUN | {"checkpoint": 0.5, "seed": 2}, "they differ in seed"),
@@ -53,8 +53,8 @@ def test_format_1_knows_no_checkpoints(tmp_path):
     assert check_lineages(shipped) == []
     import msgspec
 
-    tied = [msgspec.structs.replace(agent, lineage="one") for agent in shipped.agents[:2]]
-    (text,) = grave(check_lineages(msgspec.structs.replace(shipped, agents=tuple(tied))))
+    tied = [msgspec.structs.replace(agent, lineage="one") for agent in shipped.entries[:2]]
+    (text,) = grave(check_lineages(msgspec.structs.replace(shipped, entries=tuple(tied))))
     assert "do not say which checkpoints" in text
 
 

@@ -1,18 +1,23 @@
 import json
+import os
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
+import msgspec
 import pytest
 
+from overcooked_bench.agents.behaviours.parsing import VERSION
+from overcooked_bench.agents.catalogue import find
 from overcooked_bench.agents.policies.policy import PolicyError
-from overcooked_bench.agents.pools.pool import (
-    Pool,
-    PoolError,
-    read_manifest,
-    shipped_pools,
-    write_manifest,
-)
-from tests.agents.made import record, write_policy
+from overcooked_bench.agents.pools.manifest import PoolError, check_version, read_manifest, write_manifest
+from overcooked_bench.agents.pools.pool import Pool, find_pool, shipped_pools
+from overcooked_bench.agents.pools.records import BehaviourReference, Bound, ScriptedReference
+from tests.agents.made import record, scripted, write_policy
+
+GOLDEN = Path(__file__).parents[2] / "data" / "manifests"
+"""Small pools that older revisions wrote."""
 
 
 def edit(pool_folder, change):
@@ -30,18 +35,18 @@ def test_a_pool_is_what_was_written(pool_folder):
     assert [agent.name for agent in pool.agents("cramped_room")] == ["sp-0", "sp-1"]
     assert pool.agents("forced_coordination") == ()
     entry = pool.agent("cramped_room", "sp-1")
-    assert entry.seed == 2**63 + 5
-    assert entry.self_play.mean == 200
-    assert entry.files.weights.path == "cramped_room/sp-1.safetensors"
+    assert entry.trained.seed == 2**63 + 5
+    assert entry.trained.self_play.mean == 200
+    assert entry.reference.weights.path == "cramped_room/sp-1.safetensors"
     policy = pool.policy("cramped_room", "sp-1")
-    assert policy.sha256 == entry.files.weights.sha256
+    assert policy.sha256 == entry.sha256
     assert pool.policy("cramped_room", "sp-1") is policy
     assert Pool.load(str(pool_folder)).hash == pool.hash
 
 
 def test_the_hash_covers_the_entries_but_not_their_order(pool_folder):
     before = Pool.load(pool_folder).hash
-    edit(pool_folder, lambda manifest: manifest["agents"].reverse())
+    edit(pool_folder, lambda manifest: manifest["entries"].reverse())
     assert Pool.load(pool_folder).hash == before
     write_manifest(pool_folder, "tiny", [record("sp-1", steps=11), record("sp-0"), record("sp-0", "coordination_ring")])
     assert Pool.load(pool_folder).hash != before
@@ -56,44 +61,160 @@ def test_a_manifest_needs_no_torch(pool_folder):
     assert done.stdout.strip() == "set()"
 
 
-def test_a_pool_of_format_1_is_read_as_it_was_written():
-    pool = Pool.load("dev-v0")
-    assert pool.manifest.format == 1
-    assert pool.hash == "ecd9149914f58d408febc4a21f7e71259461f87a9f0ba234f89595b1e30ff94c"
-    agent = pool.agent("cramped_room", "sp-0")
-    assert (agent.configuration, agent.checkpoint, agent.profile, agent.trained) == (None, None, None, 1.0)
+@pytest.mark.parametrize(
+    ("name", "form", "sha256"),
+    [
+        ("dev-v0", 1, "ecd9149914f58d408febc4a21f7e71259461f87a9f0ba234f89595b1e30ff94c"),
+        ("dev-v1", 2, "33b0495a6d"),
+        ("train-v1", 2, "70da1c512c"),
+    ],
+)
+def test_the_shipped_pools_keep_their_hashes(name, form, sha256):
+    manifest = read_manifest(find_pool(name))
+    assert manifest.format == form
+    assert manifest.hash.startswith(sha256)
+
+
+@pytest.mark.parametrize("form", [1, 2])
+def test_pools_of_older_formats_are_read_with_the_scripted_partners_of_their_protocol(form):
+    pool = Pool.load(GOLDEN / f"format-{form}")
+    assert (pool.name, pool.manifest.format, pool.layouts) == (f"golden-{form}", form, ("cramped_room",))
+    assert [(entry.name, entry.role, entry.stratum) for entry in pool.partners("cramped_room")] == [
+        ("dish_courier", "partner", "scripted"),
+        ("greedy", "partner", "scripted"),
+        ("onion_courier", "partner", "scripted"),
+        ("random", "floor", "scripted"),
+        ("sp-0", "partner", "self-play"),
+        ("sp-1", "partner", "self-play" if form == 1 else "half-trained"),
+        ("stay", "floor", "scripted"),
+    ]
+    assert [entry.name for entry in pool.agents("cramped_room")] == ["sp-0", "sp-1"], "nobody trains on scripted ones"
+    agent = pool.agent("cramped_room", "sp-1")
+    assert agent.lineage == "cramped_room/sp-1"
+    assert (agent.trained.method, agent.trained.seed, agent.trained.steps) == ("self-play", 4, 10)
+    newer = (agent.trained.configuration, agent.trained.checkpoint, agent.trained.profile and "told")
+    assert newer == ((None, None, None) if form == 1 else ("fast", 0.5, "told"))
+    assert pool.policy("cramped_room", "sp-1").sha256 == agent.sha256
+
+
+@pytest.mark.parametrize(
+    ("form", "change", "message"),
+    [
+        (1, lambda m: m["agents"][0].update(steps=99), "hash does not match"),
+        (1, lambda m: m["agents"][0].update(checkpoint=0.5), "has .checkpoint., which came with format 2"),
+        (2, lambda m: m["agents"][0].pop("profile"), "lacks .profile."),
+        (2, lambda m: m["agents"][0].update(cooking="manual"), "make one pool of each"),
+        (2, lambda m: m["agents"][0].update(surprise=1), "unknown field `surprise`"),
+        (2, lambda m: m.update(agents=[3]), "Expected `object`"),
+        (2, lambda m: m.update(format=3), "unknown field `agents`"),
+        (2, lambda m: m.update(format=1), "which came with format 2"),
+    ],
+)
+def test_a_changed_manifest_of_an_older_format_is_refused(tmp_path, form, change, message):
+    shutil.copytree(GOLDEN / f"format-{form}", tmp_path / "pool")
+    edit(tmp_path / "pool", change)
+    with pytest.raises(PoolError, match=message):
+        Pool.load(tmp_path / "pool")
+
+
+def test_every_kind_of_partner_is_written_and_read(pool_folder):
+    bound = Bound(seat=0, side=1, floor=3.5, ceiling=200.0, responder="br-0", responder_sha256="0" * 64)
+    behaviour = BehaviourReference(behaviour={"does": "carry", "insist": True}, version=VERSION)
+    entries = [
+        record("sp-0", convention="left", bounds=(bound,)),
+        scripted("greedy"),
+        scripted("stay", role="floor"),
+        msgspec.structs.replace(scripted("rude"), reference=behaviour),
+    ]
+    write_manifest(pool_folder, "tiny", entries)
+    pool = Pool.load(pool_folder)
+    found = {entry.name: entry for entry in pool.partners("cramped_room")}
+    assert (found["sp-0"].convention, found["sp-0"].bounds) == ("left", (bound,))
+    assert found["greedy"].sha256 == find("greedy").sha256
+    assert found["stay"].role == "floor"
+    assert found["rude"].reference == behaviour
+    assert len({entry.sha256 for entry in found.values()}) == 4
+    for entry in found.values():
+        check_version(pool.manifest, entry)
+    again = write_manifest(pool_folder, "tiny", pool.partners("cramped_room"))
+    assert again == pool.manifest
+
+
+@pytest.mark.parametrize(
+    ("reference", "message"),
+    [
+        (ScriptedReference(agent="greedy", version=2), "means version 2 of the scripted agent 'greedy'.*has version 1"),
+        (ScriptedReference(agent="gredy", version=1), "no scripted agent 'gredy'; did you mean 'greedy'"),
+        (BehaviourReference(behaviour={"does": "carry"}, version=99), "means version 99 of behaviours"),
+    ],
+)
+def test_a_partner_of_another_version_is_not_played(pool_folder, reference, message):
+    entry = msgspec.structs.replace(scripted("greedy"), reference=reference)
+    manifest = write_manifest(pool_folder, "tiny", [entry])
+    with pytest.raises(PoolError, match=message):
+        check_version(manifest, entry)
+
+
+GRID = "XXPXX\nO  2O\nX1  X\nXDXSX"
+
+
+def test_scripted_partners_play_kitchens_of_the_users_own(pool_folder):
+    write_manifest(pool_folder, "tiny", [record("sp-0"), scripted("greedy", layout=GRID)])
+    assert Pool.load(pool_folder).layouts == ("cramped_room", GRID)
+    for layout in (GRID + "\n", "XX\nXX", "../cramped_room"):
+        with pytest.raises(PoolError, match="unknown layout"):
+            write_manifest(pool_folder, "tiny", [scripted("greedy", layout=layout)])
+
+
+def test_an_optional_key_that_is_left_out_leaves_the_hash_alone(pool_folder):
+    """The hash of format 3 is frozen; a key that is added later defaults to None."""
+    manifest = write_manifest(pool_folder, "frozen", [scripted("greedy"), scripted("stay", role="floor")])
+    assert manifest.hash == "a86aea678adf7026d4b717b7ea46de496e380b81f863a69c07b1ab9028d69598"
+    assert b"null" not in (pool_folder / "manifest.json").read_bytes()
+
+
+BOUND = {"seat": 0, "side": 0, "floor": 0.0, "ceiling": 1.0, "responder": "x", "responder_sha256": "x"}
 
 
 def first(manifest):
-    return manifest["agents"][0]
+    return manifest["entries"][-1]
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda m: first(m).update(steps=99), "hash does not match"),
+        (lambda m: first(m)["training"].update(steps=99), "hash does not match"),
         (lambda m: m.update(hash="0" * 64), "hash does not match"),
         (lambda m: m.update(name="other"), "hash does not match"),
-        (lambda m: first(m)["files"]["weights"].update(path="/etc/passwd"), "points outside the pool's folder"),
-        (lambda m: first(m)["files"]["weights"].update(path="../sp-0.safetensors"), "points outside"),
-        (lambda m: first(m)["files"]["weights"].update(path="cramped_room/x.safetensors"), "is not this agent's file"),
-        (lambda m: first(m).update(name="../sp-0"), "the name is"),
+        (lambda m: first(m)["reference"]["weights"].update(path="/etc/passwd"), "points outside"),
+        (lambda m: first(m)["reference"]["weights"].update(path="../sp-0.safetensors"), "points outside"),
+        (
+            lambda m: first(m)["reference"]["weights"].update(path="cramped_room/x.safetensors"),
+            "is not this agent's file",
+        ),
+        (lambda m: first(m).update(name="../sp-0"), "at most 100 letters, digits"),
+        (lambda m: m.update(name="../tiny"), "the pool's name is '../tiny'"),
         (lambda m: first(m).update(layout="cramped_rom"), "did you mean 'cramped_room'"),
-        (lambda m: first(m).update(cooking="manual"), "make one pool of each"),
-        (lambda m: first(m).update(seed="5"), r"agents\[0\].seed"),
+        (lambda m: first(m).update(cooking="manual"), "unknown field `cooking`"),
+        (lambda m: first(m).update(role="friend"), "Invalid enum value 'friend'"),
+        (lambda m: first(m).update(stratum=" "), "its stratum is empty"),
+        (lambda m: first(m).update(reference={"kind": "scripted", "agent": "greedy", "version": 1}), "no training"),
+        (lambda m: first(m).update(reference={"kind": "magic"}), "Invalid value 'magic'"),
+        (lambda m: first(m).pop("training"), "lacks 'training'"),
+        (lambda m: first(m).update(bounds=[BOUND, BOUND]), "each .seat, side. once"),
+        (lambda m: first(m)["training"].update(seed="5"), r"entries\[2\].training.seed"),
         (lambda m: first(m).pop("lineage"), "lineage"),
         (lambda m: first(m).update(surprise=1), "unknown field `surprise`"),
-        (lambda m: m["agents"].append(first(m)), "2 agents are named"),
-        (lambda m: m.update(agents=[]), "lists no agents"),
-        (lambda m: m.update(format=3), "reads formats 1 and 2"),
-        (lambda m: m.update(format=1), "has .configuration., which came with format 2"),
-        (lambda m: first(m).pop("profile"), "lacks .profile."),
-        (lambda m: first(m).update(checkpoint=1.5), "share of the training done"),
+        (lambda m: m["entries"].append(first(m)), "2 agents are named"),
+        (lambda m: m.update(entries=[]), "lists no partners"),
+        (lambda m: m.update(format=4), "reads formats 1 to 3"),
+        (lambda m: m.update(format=2), "unknown field `entries`"),
+        (lambda m: first(m)["training"].update(checkpoint=1.5), "share of the training done"),
     ],
     ids=[
-        *("entry", "hash", "name", "absolute", "parent", "other-file", "bad-name", "unknown-layout", "cooking"),
-        *("type", "missing", "unknown", "duplicate", "empty", "format", "older"),
-        *("no-profile", "checkpoint"),
+        *("entry", "hash", "name", "absolute", "parent", "other-file", "bad-name", "pool-name", "unknown-layout"),
+        *("cooking", "role", "stratum", "training", "kind", "untrained", "bounds"),
+        *("type", "missing", "unknown", "duplicate", "empty", "format", "older", "checkpoint"),
     ],
 )
 def test_a_changed_manifest_is_refused(pool_folder, change, message):
@@ -111,6 +232,21 @@ def test_changed_and_missing_files_are_named(pool_folder, suffix):
         Pool.load(pool_folder)
     file.unlink()
     with pytest.raises(PoolError, match=rf"agent cramped_room/sp-1: .*sp-1\.{suffix}: cannot be read"):
+        Pool.load(pool_folder)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes on this system")
+@pytest.mark.parametrize("what", ["pipe", "loop", "folder", "device"])
+def test_what_is_no_regular_file_is_refused_at_once(pool_folder, what):
+    file = pool_folder / "cramped_room" / "sp-0.safetensors"
+    file.unlink()
+    {
+        "pipe": lambda: os.mkfifo(file),
+        "loop": lambda: file.symlink_to(file),
+        "folder": file.mkdir,
+        "device": lambda: file.symlink_to("/dev/zero"),
+    }[what]()
+    with pytest.raises(PoolError, match=r"agent cramped_room/sp-0: .*sp-0\.safetensors"):
         Pool.load(pool_folder)
 
 
@@ -140,7 +276,7 @@ def test_manifests_are_not_written_of_pools_that_could_not_be_read(pool_folder):
     with pytest.raises(PoolError, match=r"sp-9\.safetensors"):
         write_manifest(pool_folder, "tiny", [record("sp-9")])
     with pytest.raises(PoolError, match="layout 'cramped_room' and cooking 'auto'"):
-        write_manifest(pool_folder, "tiny", [record("sp-0", cooking="manual")], cooking="manual")
+        write_manifest(pool_folder, "tiny", [record("sp-0")], cooking="manual")
     with pytest.raises(PoolError, match="steps"):
         write_manifest(pool_folder, "tiny", [record("sp-0", steps=1.5)])
     (pool_folder / "cramped_room" / "sp-0.json").write_text("{}")

@@ -66,19 +66,19 @@ def forge(file, **changes):
 def read(file, tiny):
     """Reads and replays everything, as resuming does."""
     with Store(file) as store:
-        check_returns(store, tiny.cooking, tiny.horizon)
+        check_returns(store, tiny.play.cooking, tiny.play.horizon)
         return store.facts, store.blocks(), list(store.episodes())
 
 
 def replay_all(file):
     with Store(file) as store:
         rules = read_settings(store)
-        return check_returns(store, rules.cooking, rules.horizon)
+        return check_returns(store, rules.play.cooking, rules.play.horizon)
 
 
 def test_what_was_played_replays_to_the_same_points(played, tiny):
     with Store(played) as store:
-        assert check_returns(store, tiny.cooking, tiny.horizon) == 8
+        assert check_returns(store, tiny.play.cooking, tiny.play.horizon) == 8
         sides = {one.side for one in store.episodes()}
     assert sides == {0}
 
@@ -243,7 +243,7 @@ def test_a_store_of_schema_1_is_read_and_left_as_it_is(tmp_path):
     file = Path(shutil.copy(OLD / "episodes.sqlite", tmp_path))
     with Store(file) as store:
         rules = read_settings(store)
-        assert check_returns(store, rules.cooking, rules.horizon) == 72
+        assert check_returns(store, rules.play.cooking, rules.play.horizon) == 72
         found = list(store.episodes())
         assert store.facts["agent_name"] == "greedy"
     assert file.read_bytes() == (OLD / "episodes.sqlite").read_bytes()

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from overcooked_bench.agents.pools.pool import Pool, PoolError, write_manifest
+from overcooked_bench.agents.pools.manifest import PoolError, write_manifest
+from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.evaluation.pools import crossplay
 from overcooked_bench.evaluation.pools.crossplay import choose, cross_play
 from overcooked_bench.evaluation.shown.heatmap import draw_heat_map
@@ -100,7 +101,7 @@ def test_good_agents_reach_in_the_matrix_what_their_pool_says():
     agents = [pool.agent("forced_coordination", name) for name in ("sp-0", "sp-2")]
     found = cross_play(pool, "forced_coordination", agents, episodes=5)
     for i, agent in enumerate(agents):
-        assert found.means[i][i] == pytest.approx(agent.self_play.mean, abs=10)
+        assert found.means[i][i] == pytest.approx(agent.trained.self_play.mean, abs=10)
     assert found.worst[2] < 40  # they have conventions of their own
     assert found.ratio.value < 0.3
 

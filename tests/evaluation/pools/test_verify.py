@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from overcooked_bench.agents.policies.policy import Policy, load_policy, save_policy
-from overcooked_bench.agents.pools.pool import Pool, PoolError, write_manifest
+from overcooked_bench.agents.pools.manifest import PoolError, write_manifest
+from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.evaluation.pools.profile import measure
 from overcooked_bench.evaluation.pools.verify import verify_pool
 from tests.agents.made import random_weights, record, small_mlp, write_policy
@@ -37,7 +38,7 @@ def test_ties_are_grave(tmp_path):
 
 def test_a_pool_is_held_against_the_shipped_ones(tmp_path):
     shipped = Pool.load("dev-v0").agent(LAYOUT, "sp-0")
-    verdict = verify_pool(pool_of(tmp_path, {"seed": shipped.seed}, {}), horizon=30)
+    verdict = verify_pool(pool_of(tmp_path, {"seed": shipped.trained.seed}, {}), horizon=30)
     assert [finding.text for finding in verdict.findings] == [
         f"{LAYOUT}/sp-0 shares the training seed with dev-v0/{LAYOUT}/sp-0"
     ]
