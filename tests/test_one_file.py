@@ -83,7 +83,7 @@ print(len(items), {item["status"] for item in items})
 
 
 def test_a_scenario_is_one_file(with_file):
-    passed = with_file("overcooked_bench.unit_scenarios", "X01-one-step-to-serve.yaml", SCENARIO, PASSES)
+    passed = with_file("overcooked_bench.unit_scenarios", "X01-one-step-to-serve.scenario.yaml", SCENARIO, PASSES)
     assert passed == "4 {'passed'}\n"
 
 

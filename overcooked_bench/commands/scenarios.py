@@ -325,10 +325,11 @@ def _add_new(commands: Any) -> None:
 def _new(options: argparse.Namespace) -> int:
     from pathlib import Path
 
+    from overcooked_bench.scenarios import SUFFIX
     from overcooked_bench.scenarios.language.loading import read_scenario
     from overcooked_bench.scenarios.language.template import template
 
-    file = Path(options.output) / f"{options.id}.scenario.yaml"
+    file = Path(options.output) / f"{options.id}{SUFFIX}"
     text = template(options.id, options.layout, options.category)
     read_scenario(text, str(file), options.id)
     if file.exists():

@@ -1,5 +1,6 @@
 """Items, the unit that results count: a scenario from one seat in one mirror image, or both halves of a pair."""
 
+import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
@@ -8,9 +9,11 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Final
 
-from overcooked_bench.scenarios import CATEGORIES
+from overcooked_bench.documents import LONGEST
+from overcooked_bench.files import FileError, read_regular
+from overcooked_bench.scenarios import CATEGORIES, SUFFIX
 from overcooked_bench.scenarios.errors import ScenarioError
-from overcooked_bench.scenarios.language.loading import SUFFIX, load_scenario
+from overcooked_bench.scenarios.language.loading import load_scenario
 from overcooked_bench.scenarios.scenario import SEATS, Scenario, Situation
 from overcooked_bench.shelf import guess
 
@@ -134,14 +137,14 @@ def load_items(select: Select = None) -> list[Item]:
 
 
 def read_files(paths: Iterable[Path]) -> list[Scenario]:
-    """Reads files, and all `.yaml` files directly in folders; a pair's other half is read from the same folder.
+    """Reads files, and all scenarios directly in folders; a pair's other half is read from the same folder.
 
     Raises:
         ScenarioError: There is no such file, no scenario in a folder, or a file is wrong.
     """
     found: dict[Path, Scenario] = {}
     for path in paths:
-        inside = sorted(path.glob(f"*{SUFFIX}")) if path.is_dir() else [path]
+        inside = sorted(path.glob(f"*{SUFFIX}")) if os.path.isdir(path) else [path]
         if not inside:
             raise ScenarioError(f"{path}: no scenarios in this folder; they are files that end in {SUFFIX}")
         for file in inside:
@@ -149,9 +152,17 @@ def read_files(paths: Iterable[Path]) -> list[Scenario]:
     for scenario in list(found.values()):
         if scenario.pair and sum(other.pair == scenario.pair for other in found.values()) < HALVES:
             for file in sorted(Path(scenario.source).parent.glob(f"*{SUFFIX}")):
-                if f"pair: {scenario.pair}" in file.read_text("utf-8", errors="replace"):
+                if f"pair: {scenario.pair}".encode() in _content(file):
                     found.setdefault(file.resolve(), load_scenario(file))
     return list(found.values())
+
+
+def _content(file: Path) -> bytes:
+    """Returns the content of a file that may be anything; nothing of one that is no scenario's."""
+    try:
+        return read_regular(file, LONGEST)
+    except FileError:
+        return b""
 
 
 def shipped_folder() -> Path:
@@ -178,9 +189,9 @@ def _pair(name: str, halves: list[Scenario]) -> Item:
 
 
 def _is_path(entry: str | Path) -> bool:
-    if isinstance(entry, Path) or entry.endswith(SUFFIX) or "/" in entry:
+    if isinstance(entry, Path) or entry.endswith(".yaml") or "/" in entry:
         return True
-    return Path(entry).is_dir() and not any(_fits(item, entry) for item in _shipped())
+    return os.path.isdir(entry) and not any(_fits(item, entry) for item in _shipped())
 
 
 def _fits(item: Item, word: str) -> bool:
@@ -193,5 +204,5 @@ def _nothing(word: str) -> str:
     near = guess(word, [*known, *CATEGORIES], 3)
     return (
         f"no scenario fits {word!r}; {near}give an id or its beginning (C04), a category ({', '.join(CATEGORIES)}), a "
-        "family, a tag, a pattern with *, or the path of a .yaml file"
+        "family, a tag, a pattern with *, or a path"
     )

@@ -29,8 +29,8 @@ def make_agent(layout, training_seed):
 def home(tmp_path, monkeypatch):
     """A working directory with an agent that only interacts, a scenario that it passes and one that it fails."""
     (tmp_path / "potter.py").write_text(POTTER)
-    (tmp_path / "T02-pot.yaml").write_text(edited(POT, id="T02-pot", budget="200"))
-    (tmp_path / "T01-yield.yaml").write_text(edited(YIELD, id="T01-yield"))
+    (tmp_path / "T02-pot.scenario.yaml").write_text(edited(POT, id="T02-pot", budget="200"))
+    (tmp_path / "T01-yield.scenario.yaml").write_text(edited(YIELD, id="T01-yield"))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -43,7 +43,7 @@ def scenarios(*arguments):
 
 
 def test_run_tells_what_is_passed(home, capsys):
-    assert scenarios("run", "T02-pot.yaml", "--agent", "potter.py") == 0
+    assert scenarios("run", "T02-pot.scenario.yaml", "--agent", "potter.py") == 0
     assert re.search(r"state +4 +4 +1\.00 \[0\.21, 1\.00\]", capsys.readouterr().out)
     assert scenarios("run", ".", "--agent", "potter.py", "--output", "all.json") == 1
     shown = capsys.readouterr().out
@@ -58,11 +58,11 @@ def test_run_tells_what_is_passed(home, capsys):
 
 
 def test_run_shows_films(home, capsys):
-    assert scenarios("run", "T01-yield.yaml", "--agent", "potter.py", "--film", "--seat", "0") == 1
+    assert scenarios("run", "T01-yield.scenario.yaml", "--agent", "potter.py", "--film", "--seat", "0") == 1
     shown = capsys.readouterr().out
     assert "`A.holds(dish)` never held" in shown
     (command, *_) = re.findall("replay it: overcooked-bench scenarios (.*)", shown)
-    assert command == "run T01-yield.yaml --agent potter.py --seat 0 --repeat 0"
+    assert command == "run T01-yield.scenario.yaml --agent potter.py --seat 0 --repeat 0"
     assert scenarios(*command.split()) == 1
     shown = capsys.readouterr().out
     assert "T01-yield-seat0, repeat 0: A stands in the way." in shown
@@ -74,7 +74,10 @@ def test_run_shows_films(home, capsys):
 
 
 def test_compare_counts_what_tells_agents_apart(home, capsys):
-    assert scenarios("compare", "potter.py", "stay", "greedy", "--select", "T01-yield.yaml,T02-pot.yaml") == 0
+    assert (
+        scenarios("compare", "potter.py", "stay", "greedy", "--select", "T01-yield.scenario.yaml,T02-pot.scenario.yaml")
+        == 0
+    )
     assert capsys.readouterr().out.splitlines() == [
         "|                             | state | convention | all |",
         "|-----------------------------|------:|-----------:|----:|",
@@ -85,17 +88,17 @@ def test_compare_counts_what_tells_agents_apart(home, capsys):
         "| items that discriminate     |     4 |          0 |   4 |",
         "| scenarios that discriminate |     1 |          0 |   1 |",
     ]
-    assert scenarios("compare", "stay", "--select", "T02-pot.yaml", "--json") == 0
+    assert scenarios("compare", "stay", "--select", "T02-pot.scenario.yaml", "--json") == 0
     assert len(json.loads(capsys.readouterr().out)["stay"]) == 4
 
 
 def test_list_and_show(home, capsys):
-    assert scenarios("list", "T01-yield.yaml", "T02-pot.yaml", "--json") == 0
+    assert scenarios("list", "T01-yield.scenario.yaml", "T02-pot.scenario.yaml", "--json") == 0
     (first, second) = json.loads(capsys.readouterr().out)
     assert (first["id"], first["budget"], second["layout"]) == ("T01-yield", 15, "cramped_room")
     assert scenarios("list") == 0
     assert "C04-yield-pot-cell" in capsys.readouterr().out
-    assert scenarios("show", "T01-yield.yaml", "--film", "--seat", "1", "--mirrored") == 0
+    assert scenarios("show", "T01-yield.scenario.yaml", "--film", "--seat", "1", "--mirrored") == 0
     shown = capsys.readouterr().out
     for words in (
         "T01-yield-seat1-mirrored: convention, family T01, coordination_ring-mirrored",
@@ -119,9 +122,9 @@ def test_show_tells_histories_and_choices(home, capsys):
         before="{A: [stay, up]}",
         pair="T09-both",
     )
-    (home / "T09-all.yaml").write_text(told)
-    (home / "T09-too.yaml").write_text(told.replace("T09-all", "T09-too"))
-    assert scenarios("show", "T09-all.yaml") == 0
+    (home / "T09-all.scenario.yaml").write_text(told)
+    (home / "T09-too.scenario.yaml").write_text(told.replace("T09-all", "T09-too"))
+    assert scenarios("show", "T09-all.scenario.yaml") == 0
     shown = capsys.readouterr().out
     for words in (
         "accept one of:\n  A.pot >= 1\n",
@@ -178,9 +181,9 @@ def test_a_template_is_a_scenario(category):
         (["run", "C04", "--agent", "stay", "--category", "stat"], 2, "no category stat; choose among state"),
         (["run", "C04", "--agent", "stay", "--category", "state"], 2, "nothing is left to play"),
         (["run", "C04", "--agent", "stay", "--repeats", "0"], 2, "give a whole number from 1"),
-        (["run", "T02-pot.yaml", "--agent", "bad.py"], 1, "act returned the action 6 in row 0"),
-        (["run", "nowhere.yaml", "--agent", "stay"], 2, "nowhere.yaml: cannot be read"),
-        (["show", "broken.yaml"], 2, "broken.yaml:1"),
+        (["run", "T02-pot.scenario.yaml", "--agent", "bad.py"], 1, "act returned the action 6 in row 0"),
+        (["run", "nowhere.scenario.yaml", "--agent", "stay"], 2, "nowhere.scenario.yaml: cannot be read"),
+        (["show", "broken.scenario.yaml"], 2, "broken.scenario.yaml:1"),
         (["show"], 2, "SELECT"),
         (["new", "X 1"], 2, "write letters, digits, - and _ alone"),
         (["new", "X01", "--layout", "cramped_rom"], 2, "cramped_rom"),
@@ -189,7 +192,7 @@ def test_a_template_is_a_scenario(category):
 )
 def test_mistakes_end_in_one_message(home, capsys, arguments, code, words):
     (home / "bad.py").write_text(POTTER.replace("[5]", "[6]"))
-    (home / "broken.yaml").write_text("id: broken\n")
+    (home / "broken.scenario.yaml").write_text("id: broken\n")
     assert scenarios(*arguments) == code
     said = capsys.readouterr().err
     assert words in said

@@ -55,21 +55,21 @@ def test_words_choose_among_what_ships():
 
 
 def test_paths_are_read(tmp_path):
-    (tmp_path / "T02-pot.yaml").write_text(POT)
+    (tmp_path / "T02-pot.scenario.yaml").write_text(POT)
     (tmp_path / "T01-yield.scenario.yaml").write_text(YIELD)
     assert len(load_items(tmp_path)) == len(load_items(f"{tmp_path}/")) == 8
-    assert ids(load_items(str(tmp_path / "T02-pot.yaml"))) == ids(items([scenario(POT)]))
-    assert len(load_items([tmp_path / "T02-pot.yaml", tmp_path, "S01"])) == 12
+    assert ids(load_items(str(tmp_path / "T02-pot.scenario.yaml"))) == ids(items([scenario(POT)]))
+    assert len(load_items([tmp_path / "T02-pot.scenario.yaml", tmp_path, "S01"])) == 12
     with pytest.raises(ScenarioError, match="cannot be read"):
-        load_items("none.yaml")
+        load_items("none.scenario.yaml")
     with pytest.raises(ScenarioError, match="no scenarios in this folder"):
         load_items(tmp_path.parent)
 
 
 def test_the_other_half_of_a_pair_is_found_beside_it(tmp_path):
     for name in ("a", "b"):
-        (tmp_path / f"T04-{name}.yaml").write_text(edited(POT, id=f"T04-{name}", pair="T04-both"))
-    assert ids(load_items(tmp_path / "T04-b.yaml")) == ["T04-both-pair"]
+        (tmp_path / f"T04-{name}.scenario.yaml").write_text(edited(POT, id=f"T04-{name}", pair="T04-both"))
+    assert ids(load_items(tmp_path / "T04-b.scenario.yaml")) == ["T04-both-pair"]
 
 
 def test_the_shipped_folder_is_a_package_with_a_schema():

@@ -12,7 +12,7 @@ from overcooked_bench.files import read_text
 from overcooked_bench.kitchen.codes import MAX_INGREDIENTS, PICTURE_NAMES, RECIPES, STAY, Position
 from overcooked_bench.kitchen.layout import Layout, LayoutError
 from overcooked_bench.kitchen.state import FACINGS, Chef, KitchenState, Soup, Thing, row_major
-from overcooked_bench.scenarios import CATEGORIES
+from overcooked_bench.scenarios import CATEGORIES, SUFFIX
 from overcooked_bench.scenarios.errors import ScenarioError
 from overcooked_bench.scenarios.language.picture import CHEFS, THINGS, PictureError, finished_soup, read_picture
 from overcooked_bench.scenarios.language.predicates import PredicateError, parse_any_of
@@ -20,7 +20,6 @@ from overcooked_bench.scenarios.language.terms import Condition
 from overcooked_bench.scenarios.scenario import Scenario
 from overcooked_bench.shelf import guess
 
-SUFFIX: Final = ".yaml"
 NEEDED: Final = ("id", "category", "layout", "kitchen", "A", "B", "accept", "why")
 KEYS: Final = (*NEEDED, "family", "tags", "cooking", "pots", "never", "budget", "before", "pair")
 CHEF_KEYS: Final = ("facing", "holds")
@@ -42,9 +41,11 @@ def load_scenario(path: str | Path) -> Scenario:
     Raises:
         ScenarioError: It cannot be read, or something in it is wrong; names the line.
     """
-    file = Path(path)
-    text = read_text(file, LONGEST, raises=ScenarioError)
-    return read_scenario(text, str(path), re.sub(r"\.scenario$", "", file.stem))
+    name = Path(path).name
+    if not name.endswith(SUFFIX):
+        raise ScenarioError(f"{path}: a scenario's file is its id and {SUFFIX}; rename it, say to S01-mine{SUFFIX}")
+    text = read_text(path, LONGEST, raises=ScenarioError)
+    return read_scenario(text, str(path), name.removesuffix(SUFFIX))
 
 
 def read_scenario(text: str, where: str, name: str | None = None) -> Scenario:

@@ -12,11 +12,12 @@ import pytest
 from overcooked_bench.agents.agent import AgentFactory, UnknownLayout
 from overcooked_bench.agents.catalogue import find
 from overcooked_bench.errors import OvercookedBenchError
+from overcooked_bench.files import read_text
 from overcooked_bench.scenarios.errors import ScenarioError
 from overcooked_bench.scenarios.items import Item
 from overcooked_bench.scenarios.results import ItemResult
 from overcooked_bench.scenarios.runner import REPEATS, run_items
-from overcooked_bench.scenarios.shown.comparing import read_report
+from overcooked_bench.scenarios.shown.comparing import MOST_BYTES, read_report
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.policies.neural import Mode
@@ -153,10 +154,7 @@ def _try(make_agent: AgentFactory, training_seed: int) -> None:
 
 def _read_known(path: str) -> dict[str, str]:
     """Reads the ids of known failures, one per line, with a reason after a #."""
-    try:
-        text = Path(path).read_text("utf-8")
-    except UnicodeDecodeError:
-        raise ScenarioError(f"{path}: not a text file in UTF-8; write an item's id on each line") from None
+    text = read_text(path, MOST_BYTES, raises=ScenarioError)
     found: dict[str, str] = {}
     for number, line in enumerate(text.splitlines(), start=1):
         name, _, reason = (part.strip() for part in line.partition("#"))

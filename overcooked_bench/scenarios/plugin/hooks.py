@@ -7,19 +7,17 @@ modules that do the work are imported once scenarios are collected or an agent i
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from overcooked_bench.scenarios import SUFFIX
 from overcooked_bench.scenarios.plugin.stash import BENCH, MARKER, NO_AGENT
 
 if TYPE_CHECKING:
     from collections.abc import Generator
 
     from overcooked_bench.scenarios.items import Select
-
-SUFFIX: Final = ".scenario.yaml"
-"""Suffix of the files that are collected from any folder."""
 
 
 class Scenarios:

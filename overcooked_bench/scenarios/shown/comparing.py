@@ -1,15 +1,19 @@
 """Reads reports of the suite, lists what changed between two, and tabulates categories."""
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
+from overcooked_bench.documents import read_json
 from overcooked_bench.rendering.table import Table
 from overcooked_bench.scenarios.errors import ScenarioError
 from overcooked_bench.scenarios.results import SCHEMA, Tally, tallies, tally
 
 _ALL: Final = "all"
+
+
+MOST_BYTES: Final = 64 << 20
+"""Of a report."""
 
 
 class Changes(NamedTuple):
@@ -32,12 +36,7 @@ def read_report(path: str | Path) -> dict[str, Any]:
     Raises:
         ScenarioError: It cannot be read, or is not a report of this version.
     """
-    try:
-        report = json.loads(Path(path).read_text("utf-8"))
-    except OSError as error:
-        raise ScenarioError(f"{path}: cannot be read ({error.strerror})") from None
-    except ValueError as error:
-        raise ScenarioError(f"{path}: no JSON ({error}); give a report that --scenario-report wrote") from None
+    report = read_json(path, MOST_BYTES, Any, ScenarioError)
     if not isinstance(report, dict) or report.get("schema") != SCHEMA:
         schema = report.get("schema") if isinstance(report, dict) else None
         raise ScenarioError(

@@ -16,7 +16,7 @@ from overcooked_bench.scenarios.items import load_items, load_scenarios
 from overcooked_bench.scenarios.runner import REPEATS, run_items
 from overcooked_bench.scenarios.solving.gates import MEAN_RANDOM, MOST_RANDOM, PLAYERS, GateReport, check_all
 
-_COMMAND: Final = "python -m overcooked_bench.scenarios.shown.table"
+COMMAND: Final = "python -m overcooked_bench.scenarios.shown.table"
 
 _COLUMNS: Final = f"""\
 T* is the length of the shortest solution and K the number of steps that an agent has. `random` is the share of its runs
@@ -24,8 +24,7 @@ that uniformly random play passes, in the worst of the four situations (both sea
 {100 * MOST_RANDOM:.0f} %, and at most {100 * MEAN_RANDOM:.0f} % on average. The other columns count the situations, of
 four, that are passed: by doing nothing, which must pass none; by the scripted agents and by two rigid cooks, who never
 put anything down (`push` walks as if B were not there, `wait` walks around B); and by `honest`, a planner that sees
-only
-B's past actions and has to pass all."""
+only B's past actions and has to pass all."""
 
 _APART: Final = """\
 How many items one of two agents passes and the other fails. An item is a scenario from one seat in the plain kitchen or
@@ -47,7 +46,7 @@ def gate_table(reports: Sequence[GateReport]) -> list[str]:
         chosen = [report for report in reports if report.scenario.category == category]
         if chosen:
             columns = "", "T*", "K", "random", "stay", *PLAYERS, "honest"
-            lines += [f"## {category}", "", Table(columns, [*map(_figures, chosen)]).markdown(), ""]
+            lines += [f"## {category}", "", Table(columns, [*map(figures, chosen)]).markdown(), ""]
     mean = sum(report.mean_random for report in reports) / max(1, len(reports))
     return [*lines, f"Random play passes {100 * mean:.1f} % of its runs on average."]
 
@@ -84,14 +83,15 @@ def shipped_tables(agents: Sequence[str] = ()) -> list[str]:
         for name, make in makers.items()
     }
     return [
-        *("# Scenarios", "", f"Printed by `{' '.join([_COMMAND, *agents])}`.", "", *_COLUMNS.split("\n"), ""),
+        *("# Scenarios", "", f"Printed by `{' '.join([COMMAND, *agents])}`.", "", *_COLUMNS.split("\n"), ""),
         *gate_table(check_all(load_scenarios())),
         *("", "## Which agents each item separates", "", *_APART.split("\n"), ""),
         *apart_table(verdicts),
     ]
 
 
-def _figures(report: GateReport) -> list[str]:
+def figures(report: GateReport) -> list[str]:
+    """Returns the cells of a scenario's row."""
     random = f"{100 * report.random:.1f} %"
     passed = [report.stay, *(report.players.get(name, 0) for name in PLAYERS), report.honest]
     return [report.scenario.id, str(report.steps), str(report.budget), random, *map(str, passed)]

@@ -17,6 +17,7 @@ from overcooked_bench.scenarios.scenario import Scenario
 from overcooked_bench.scenarios.solving.lock import (
     LOCK_FILE,
     Entry,
+    definition,
     entry_of,
     lock_path,
     read_lock,
@@ -153,7 +154,8 @@ def check_all(
 
 def _alone(scenario: Scenario, random_runs: int) -> GateReport:
     """Runs the checks that concern one scenario alone."""
-    known = read_lock(lock_path(scenario)).entry(scenario)
+    written = read_lock(lock_path(scenario)).scenarios.get(scenario.id)
+    known = written if written and written.definition == definition(scenario) else None
     try:
         entry = solve_scenario(scenario) if known else entry_of(scenario)
     except ScenarioError as error:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
-from overcooked_bench.scenarios.solving.search import _TOGETHER, Search, _Answers
+from overcooked_bench.scenarios.solving.search import TOGETHER, Answers, Search
 
 if TYPE_CHECKING:
     from overcooked_bench.scenarios.scenario import Situation
@@ -123,14 +123,14 @@ class _World(Search):
         for joint in situation.before:
             row, _ = self.step(row, counts, joint)
         self.start = row, counts
-        self._asked = _Answers(self._partner, self._layout, self._tables, 1 - self._seat, self._scratch)
+        self._asked = Answers(self._partner, self._layout, self._tables, 1 - self._seat, self._scratch)
 
     def children(self, states: _States, t: int) -> _States:
         """Returns the states after each of the six actions in N states: N x 6 states."""
         rows, counts = states
         parts = [
-            self._spread(rows[k : k + _TOGETHER], counts[k : k + _TOGETHER], t)
-            for k in range(0, max(len(rows), 1), _TOGETHER)
+            self._spread(rows[k : k + TOGETHER], counts[k : k + TOGETHER], t)
+            for k in range(0, max(len(rows), 1), TOGETHER)
         ]
         return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
 

@@ -29,7 +29,9 @@ ENDLESS: Final = 1 << 40
 MOST_STATES: Final = 1 << 20
 """States after which a search is given up; about five seconds and 400 MB."""
 
-_TOGETHER: Final = 682  # states whose children are stepped in one call; 4 MB of pictures that nobody looks at
+TOGETHER: Final = 682
+"""States whose children are stepped in one call; it takes 4 MB of observations that nobody looks at."""
+
 _BYTE: Final = 255
 _Rows = NDArray[np.uint16]
 
@@ -84,7 +86,7 @@ class Search:
         self._small = np.uint8 if greatest <= _BYTE else np.uint16
         self._scratch = Batch(1, len(self._tables.fresh), len(self._tables.pots))
         self._desk = _Desk(self._tables)
-        self._answers: dict[Behaviour, _Answers] = {}
+        self._answers: dict[Behaviour, Answers] = {}
 
     def row(self, state: KitchenState) -> _Rows:
         """Returns a state as a kitchen's row, (R,)."""
@@ -158,7 +160,7 @@ class Search:
         things = self._columns if clutter is None else int(self._things(rows)[0]) + clutter
         answers = self._answers.get(partner)
         if answers is None:
-            answers = _Answers(partner, self._layout, self._tables, 1 - self._seat, self._scratch)
+            answers = Answers(partner, self._layout, self._tables, 1 - self._seat, self._scratch)
             self._answers[partner] = answers
         seen = set(self._keys(rows, counted, partner.phase(t)))
         layers: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
@@ -186,10 +188,10 @@ class Search:
         """
         kept: list[tuple[_Rows, _Rows, NDArray[np.int64]]] = []
         number = 0
-        for start in range(0, len(rows), _TOGETHER):
-            part = slice(start, start + _TOGETHER)
+        for start in range(0, len(rows), TOGETHER):
+            part = slice(start, start + TOGETHER)
             before = np.repeat(rows[part], NUM_ACTIONS, axis=0)
-            actions = joint[start * NUM_ACTIONS : (start + _TOGETHER) * NUM_ACTIONS]
+            actions = joint[start * NUM_ACTIONS : (start + TOGETHER) * NUM_ACTIONS]
             after, taken = self._desk.step(before, actions)
             counted = self.count(after, taken, np.repeat(counts[part], NUM_ACTIONS, axis=0))
             keys = self._keys(after, counted, phase)
@@ -267,7 +269,7 @@ class _Desk:
         return after, taken
 
 
-class _Answers:
+class Answers:
     """A partner's actions in each state of a layer; it is asked once for all states that look the same to it."""
 
     def __init__(self, partner: "Behaviour", layout: Layout, tables: Tables, seat: int, scratch: Batch) -> None:

@@ -131,13 +131,13 @@ def test_a_picture_that_disagrees_is_told_with_its_line(old, new, line, message)
 
 def test_files_that_are_none(tmp_path):
     with pytest.raises(ScenarioError, match="cannot be read"):
-        load_scenario(tmp_path / "none.yaml")
-    (tmp_path / "latin.yaml").write_bytes("why: Käse".encode("latin-1"))
+        load_scenario(tmp_path / "none.scenario.yaml")
+    (tmp_path / "latin.scenario.yaml").write_bytes("why: Käse".encode("latin-1"))
     with pytest.raises(ScenarioError, match="UTF-8"):
-        load_scenario(tmp_path / "latin.yaml")
-    (tmp_path / "other.yaml").write_text(POT)
+        load_scenario(tmp_path / "latin.scenario.yaml")
+    (tmp_path / "other.scenario.yaml").write_text(POT)
     with pytest.raises(ScenarioError, match="'T02-pot' and the file is named 'other'"):
-        load_scenario(tmp_path / "other.yaml")
+        load_scenario(tmp_path / "other.scenario.yaml")
     (tmp_path / "T02-pot.scenario.yaml").write_text(POT)
     assert load_scenario(tmp_path / "T02-pot.scenario.yaml").id == "T02-pot"
     for text in ("", "- 1", "x" * 70_000):
@@ -186,5 +186,5 @@ def test_what_ships_is_read_without_anything_heavy():
 
 
 def test_every_shipped_file_says_why():
-    for file in sorted(shipped_folder().glob("*.yaml")):
+    for file in sorted(shipped_folder().glob("*.scenario.yaml")):
         assert len(load_scenario(file).why) > 20

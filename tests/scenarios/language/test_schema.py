@@ -32,7 +32,7 @@ def test_what_the_loader_accepts_is_accepted(text):
 
 
 def test_what_ships_is_accepted():
-    for file in sorted(shipped_folder().glob("*.yaml")):
+    for file in sorted(shipped_folder().glob("*.scenario.yaml")):
         assert faults(file.read_text("utf-8")) == [], file.name
 
 

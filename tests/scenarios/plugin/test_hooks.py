@@ -221,7 +221,7 @@ def test_without_an_agent_there_is_one_line(kitchens):
         (["--agent", "stay", "--fuzz", "0"], "--fuzz 0: give a whole number of kitchens from 1"),
         (["--agent", "stay", "--known-failures", "none.txt"], "none.txt"),
         (["--agent", "stay", "--known-failures", "mine.py"], "mine.py:1: 'from overcooked_bench"),
-        (["--agent", "stay", "--scenario-baseline", "mine.py"], "mine.py: no JSON"),
+        (["--agent", "stay", "--scenario-baseline", "mine.py"], "mine.py:1: not JSON"),
         (["--agent", "stay", "--scenario-baseline", "other.json"], "other.json: its schema is 7"),
         (["--category", "stat"], "--category stat: choose among state, partner, memory, convention, horizon"),
     ],

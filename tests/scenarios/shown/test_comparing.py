@@ -20,18 +20,18 @@ def test_changes_are_between_items_that_both_have():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "no JSON"),
+        ("", "not JSON"),
         ("[1]", "its schema is None"),
         ('{"schema": 2}', "its schema is 2, and this version reads 1"),
         ('{"schema": 1}', "its items have no id and status"),
         ('{"schema": 1, "items": [{"id": "a"}]}', "its items have no id and status"),
-        (b"\xff", "no JSON"),
+        (b"\xff", "not JSON"),
     ],
 )
 def test_a_report_that_is_none_is_told(tmp_path, text, message):
     file = tmp_path / "report.json"
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
-    with pytest.raises(ScenarioError, match=f"report.json: {message}"):
+    with pytest.raises(ScenarioError, match=rf"report.json(:1)?: {message}"):
         read_report(file)
     with pytest.raises(ScenarioError, match="cannot be read"):
         read_report(tmp_path / "none.json")

@@ -65,7 +65,7 @@ def test_what_asks_for_mind_reading_is_found():
 
 
 def test_a_wrong_lock_is_found(tmp_path):
-    file = tmp_path / "T01-yield.yaml"
+    file = tmp_path / "T01-yield.scenario.yaml"
     file.write_text(edited(YIELD, budget="auto"))
     lock = tmp_path / LOCK_FILE
     write_lock(lock, [load_scenario(file)])

@@ -24,12 +24,12 @@ from tests.scenarios.writing import POT, YIELD, edited, scenario
 @pytest.fixture
 def folder(tmp_path):
     for name, text in (("T01-yield", YIELD), ("T02-pot", edited(POT, budget="auto"))):
-        (tmp_path / f"{name}.yaml").write_text(text)
+        (tmp_path / f"{name}.scenario.yaml").write_text(text)
     return tmp_path
 
 
 def scenarios(folder):
-    return [load_scenario(file) for file in sorted(folder.glob("*.yaml"))]
+    return [load_scenario(file) for file in sorted(folder.glob("*.scenario.yaml"))]
 
 
 def no_search(*_):
@@ -62,9 +62,9 @@ def test_only_what_changed_is_searched_again(folder, monkeypatch):
     write_lock(folder / LOCK_FILE, reversed(scenarios(folder)))
     assert (folder / LOCK_FILE).read_bytes() == before
     reworded = edited(POT, budget="auto", why="In other words.")
-    (folder / "T02-pot.yaml").write_text(reworded)
+    (folder / "T02-pot.scenario.yaml").write_text(reworded)
     assert stale(lock, scenarios(folder)) == []
-    (folder / "T02-pot.yaml").write_text(edited(reworded, A="{facing: left, holds: onion}"))
+    (folder / "T02-pot.scenario.yaml").write_text(edited(reworded, A="{facing: left, holds: onion}"))
     assert stale(lock, scenarios(folder)) == ["T02-pot"]
     with pytest.raises(AssertionError, match="nothing should be searched"):
         write_lock(folder / LOCK_FILE, scenarios(folder))
@@ -73,7 +73,7 @@ def test_only_what_changed_is_searched_again(folder, monkeypatch):
 
 def test_what_is_gone_is_dropped(folder):
     lock = write_lock(folder / LOCK_FILE, scenarios(folder))
-    (folder / "T02-pot.yaml").unlink()
+    (folder / "T02-pot.scenario.yaml").unlink()
     assert unused(lock, scenarios(folder)) == ["T02-pot"]
     assert list(write_lock(folder / LOCK_FILE, scenarios(folder)).scenarios) == ["T01-yield"]
 
@@ -153,7 +153,7 @@ FALSE = {
 @pytest.mark.parametrize("changes", FALSE.values(), ids=FALSE.keys())
 def test_a_budget_that_does_not_follow_is_not_believed(folder, changes):
     edit(folder, **changes)
-    read = load_scenario(folder / "T02-pot.yaml")
+    read = load_scenario(folder / "T02-pot.scenario.yaml")
     assert known_entry(read) in (None, entry_of(scenario(POT, budget="auto")))
     assert (entry_of(read).steps, budget_of(read)) == (1, 6)
 
