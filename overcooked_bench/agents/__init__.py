@@ -1,6 +1,6 @@
-"""Whoever can sit on a seat: the contract of agents and what helps to keep it.
+"""The contract of agents, and what helps to keep it.
 
-Names are imported when they are used, so that torch is loaded only where a network plays.
+Names are imported when they are used, so that torch is loaded only if a network plays.
 """
 
 from importlib import import_module

@@ -1,4 +1,4 @@
-"""The contract of agents, and what helps to keep it: an adapter for single games; for random draws see `draws`.
+"""The contract of agents, and an adapter for agents that play one game at a time; for random draws see `draws`.
 
 Axes: B = simultaneous episodes (rows).
 """
@@ -24,10 +24,10 @@ class UnknownLayout(WrongUse):
 
 
 class GameError(AgentFault):
-    """One of the players of `one_game_at_a_time` failed or answered with no action.
+    """One of the players of `one_game_at_a_time` raised an error or returned something that is not an action.
 
     Attributes:
-        row: Which game it played, an index into the rows of `reset`.
+        row: The game that it played, an index into the rows of `reset`.
     """
 
     def __init__(self, message: str, row: int) -> None:
@@ -37,14 +37,14 @@ class GameError(AgentFault):
 
 @runtime_checkable
 class Agent(Protocol):
-    """Whoever sits on a seat: one object serves B simultaneous episodes, which all start together.
+    """A policy that plays one seat: one object serves B simultaneous episodes, which all start together.
 
     Row i's randomness depends on `seeds[i]` and the number of steps since `reset` alone, so that a row plays the same
-    in every batch; `sample_actions` sees to that.
+    in every batch; `sample_actions` draws actions in that way.
 
     Attributes:
-        observation: What `act` is given: "lossless", "lossless26", "features", "stack_channels", "stack_states", or
-            "state" for a list of B `KitchenState`.
+        observation: The observation that `act` takes: "lossless", "lossless26", "features", "stack_channels",
+            "stack_states", or "state" for a list of B `KitchenState`.
     """
 
     observation: str
@@ -54,7 +54,7 @@ class Agent(Protocol):
 
         Args:
             layout: The layout's name, for a custom grid its text.
-            seats: (B,) int, 0 or 1, the chef that this agent is in each row.
+            seats: (B,) int, 0 or 1, this agent's seat in each row.
             seeds: (B,) uint64, one for each row.
 
         Raises:
@@ -63,10 +63,10 @@ class Agent(Protocol):
         ...
 
     def act(self, observations: Any) -> ArrayLike:
-        """Chooses one action a row.
+        """Chooses one action per row.
 
         Args:
-            observations: (B, ...) as this agent's own seats see it; for "state" a list of B `KitchenState`.
+            observations: (B, ...) from this agent's seats; for "state" a list of B `KitchenState`.
 
         Returns:
             (B,) whole numbers: 0 north, 1 south, 2 east, 3 west, 4 stay, 5 interact.
@@ -75,27 +75,28 @@ class Agent(Protocol):
 
 
 Reference = str | Path | Mapping[str, Any]
-"""What names an agent, see `catalogue.find`: a name, a path, or a behaviour mapping such as `{"does": "carry"}`."""
+"""A reference to an agent, see `catalogue.find`: a name, a path, or a behaviour mapping such as `{"does": "carry"}`."""
 
 AgentFactory = Callable[[str, int], Agent]
 """`make_agent(layout, training_seed)`, as submissions define it."""
 
 
 def one_game_at_a_time(factory: Callable[[], Any], observation: str | None = None) -> Agent:
-    """Makes an Agent of plain objects that play one game each.
+    """Makes an Agent from plain objects that play one game each.
 
     Args:
         factory: Called without arguments once for every row at every reset; usually a class. Its objects have
             `act(observation) -> int`, and may have `reset(layout: str, seat: int, seed: int)`, called once before
-            the game. Where one of them raises or returns no whole number, the Agent raises a GameError with its row.
-        observation: What `act` is given; taken from the factory's or its objects' attribute `observation` where absent.
+            the game. If one of them raises or does not return a whole number, the Agent raises a GameError with its
+            row.
+        observation: The observation that `act` takes; by default the factory's or its objects' attribute `observation`.
 
     Returns:
-        An Agent that hands row i to the i-th object.
+        An Agent that passes row i to the i-th object.
 
     Raises:
-        TypeError: The factory cannot be called so, or its objects have no `act`.
-        ValueError: It is said nowhere which observation is wanted.
+        TypeError: The factory cannot be called without arguments, or its objects have no `act`.
+        ValueError: Neither the argument nor an attribute names the observation.
 
     Example:
         ```python
@@ -110,7 +111,7 @@ def one_game_at_a_time(factory: Callable[[], Any], observation: str | None = Non
         ```
     """
     if not callable(factory):
-        raise TypeError(f"one_game_at_a_time got {factory!r}; give a class or function that makes one player a game")
+        raise TypeError(f"one_game_at_a_time got {factory!r}; give a class or function that makes one player per game")
     named = observation or getattr(factory, "observation", None)
     if not isinstance(named, str):
         named = getattr(_make(factory), "observation", None)

@@ -1,4 +1,4 @@
-"""From names, files and behaviours to agents: the only place that looks an agent up."""
+"""Finds agents by name, file or behaviour: the only place that looks an agent up."""
 
 import os
 from functools import lru_cache
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def catalogue() -> list[str]:
     """Lists the names that `find` knows: scripted agents, scripts, then `pool/layout/agent` of the shipped pools.
 
-    Of the scripts, those that need no further keys; see `find` for the others.
+    Scripts that need further keys are left out; see `find`.
     """
     from overcooked_bench.agents.behaviours.parsing import KINDS as BEHAVIOURS
 
@@ -40,7 +40,7 @@ def find(reference: Reference, *, mode: "Mode" = "sample") -> Entrant:
             `script:{does: carry, insist: true}`, or that mapping itself, as text or as a Python mapping;
             `pool/layout/agent` where pool is a shipped name or a folder, and `pool/{layout}/agent` for another agent on
             each layout; a policy's `.safetensors` or `.json` file; a submission: a Python file, or a folder with
-            `agent.py`; `file.py:function` where another function than `make_agent` makes the agents.
+            `agent.py`; `file.py:function` if another function than `make_agent` makes the agents.
         mode: How frozen policies act: "sample" draws from their distribution, "greedy" takes the likeliest action.
 
     Raises:

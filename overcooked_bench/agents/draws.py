@@ -1,4 +1,4 @@
-"""Random draws that belong to a row: they depend on the row's seed and the step alone, never on the batch.
+"""Random draws per row: they depend on the row's seed and the step alone, never on the batch.
 
 Axes: B rows.
 """
@@ -12,17 +12,17 @@ from overcooked_bench.kitchen.codes import NUM_ACTIONS
 
 _GOLDEN, _MIX_1, _MIX_2 = 0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB
 _WORD: Final = 2**64 - 1
-_ROUNDING: Final = 1e-3  # what a softmax in float16 may miss
+_ROUNDING: Final = 1e-3  # rounding error of a softmax in float16
 _MOST_STEPS_AHEAD: Final = 64
 _MOST_DRAWS_AHEAD: Final = 2**16
 
 
 def uniforms(seeds: NDArray[np.uint64], step: int) -> NDArray[np.float64]:
-    """Draws one number in [0, 1) a row; it depends on the row's seed and the step alone.
+    """Draws one number in [0, 1) per row; it depends on the row's seed and the step alone.
 
     Args:
         seeds: (B,) uint64.
-        step: Steps since the start, from 0; another step gives an independent draw.
+        step: Steps since the start, from 0; every step has an independent draw.
 
     Returns:
         (B,) float64.
@@ -33,10 +33,10 @@ def uniforms(seeds: NDArray[np.uint64], step: int) -> NDArray[np.float64]:
 
 
 def sample_actions(probabilities: ArrayLike, seeds: NDArray[np.uint64], step: int) -> NDArray[np.int64]:
-    """Draws one action a row; row i's draw depends on its probabilities, its seed and the step alone.
+    """Draws one action per row; row i's draw depends on its probabilities, its seed and the step alone.
 
     Args:
-        probabilities: (B, 6), each row of sum 1 up to rounding. An action of probability 0 is never drawn.
+        probabilities: (B, 6); each row sums to 1 up to rounding. An action of probability 0 is never drawn.
         seeds: (B,) uint64.
         step: Steps since the start, from 0.
 
@@ -50,9 +50,9 @@ def sample_actions(probabilities: ArrayLike, seeds: NDArray[np.uint64], step: in
 
 
 class ActionSampler:
-    """Gives what `sample_actions` gives, for one set of seeds and one step after the other, from step 0 on.
+    """Draws the same actions as `sample_actions` for one set of seeds, step by step from step 0 on.
 
-    The random numbers of many steps are worked out at once, which takes a fraction of the time.
+    It computes the random numbers of many steps at once, which takes a fraction of the time.
 
     Args:
         seeds: (B,) uint64.
@@ -97,7 +97,7 @@ def _keys(seeds: NDArray[np.uint64]) -> NDArray[np.uint64]:
 
 
 def _uniforms(keys: NDArray[np.uint64], steps: range) -> NDArray[np.float64]:
-    """Gives the draws of several steps: (steps, B)."""
+    """Returns the draws of several steps: (steps, B)."""
     offsets = np.array([(step + 1) * _GOLDEN & _WORD for step in steps], np.uint64)
     bits = _mixed(keys + offsets[:, None])
     return (bits >> np.uint64(11)).astype(np.float64) * 2.0**-53

@@ -1,4 +1,4 @@
-"""The kinds of reference to an agent, one row each: how it is written, what it looks like, and how it is found.
+"""The kinds of reference to an agent, one row each: how it is written, recognised and found.
 
 Nothing else parses references. A new kind is a function here and a row in `KINDS`.
 """
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from overcooked_bench.agents.policies.policy import Policy
 
 SCRIPT: Final = "script:"
-"""What the name of a scenario's partner begins with; its behaviour follows, as scenarios write it (`parsing.py`)."""
+"""Prefix of the name of a scenario's partner; its behaviour follows, as scenarios write it (`parsing.py`)."""
 
 ANY_LAYOUT: Final = "{layout}"
-"""Is replaced by the layout's name: `dev-v0/{layout}/sp-0` is another agent in each kitchen."""
+"""Replaced by the layout's name: `dev-v0/{layout}/sp-0` is another agent on each layout."""
 
 RUNS_CODE: Final = ("submission", "function")
 """Kinds whose agents are somebody's code, which may end or block the process that it runs in."""
@@ -46,7 +46,7 @@ class Entrant:
         kind: A key of `KINDS`.
         sha256: Hash of what it is, hexadecimal: of a policy's weights, a submission's files, or a scripted agent's name
             and version.
-        make: `make(layout, training_seed)` makes the agent; raises UnknownLayout where it cannot play the layout.
+        make: `make(layout, training_seed)` makes the agent; raises UnknownLayout if it cannot play the layout.
         training_seeds: Independent training runs, S; `make` takes 0 to S - 1. Kinds other than submissions have one and
             take any.
         layout: The only layout that it plays, or None.
@@ -146,7 +146,7 @@ def _pool_agent(reference: Reference, mode: "Mode") -> Entrant:
 
 
 def _pool_agents(reference: Reference, mode: "Mode") -> Entrant:
-    """Finds agents of one name, one for each layout of their pool that has it."""
+    """Finds the agents of one name, one for each layout of their pool that has it."""
     name = str(reference)
     pool, _, agent = _in_pool(name)
     found = {one.layout: one for layout in pool.layouts for one in pool.agents(layout) if one.name == agent}
@@ -177,7 +177,7 @@ def _frozen(policy: "Policy", name: str, mode: "Mode") -> AgentFactory:
 
 
 def _in_pool(name: str) -> tuple[Pool, str, str]:
-    """Reads the pool of a name, without verifying its agents; gives layout and agent too."""
+    """Reads the pool of a name without verifying its agents; returns layout and agent too."""
     where, layout, agent = name.rsplit("/", 2)
     folder = find_pool(where)
     return Pool(folder, read_manifest(folder)), layout, agent
@@ -189,7 +189,7 @@ def _anywhere(name: str, pool: Pool) -> str:
 
 
 def _plain(name: str) -> str:
-    """Makes a name for tables and folders out of a path or a script."""
+    """Makes a name for tables and folders from a path or a script."""
     return re.sub(r"[^A-Za-z0-9_.]+", "-", name).strip("-.")
 
 

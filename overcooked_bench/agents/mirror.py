@@ -1,4 +1,4 @@
-"""An adapter that lets an agent of a kitchen play that kitchen's mirror image."""
+"""Adapts an agent of a kitchen to that kitchen's mirror image."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -21,22 +21,22 @@ _ACTIONS = {ACTION_NAMES.index(a): ACTION_NAMES.index(b) for a, b in _EXCHANGED.
 def mirrored(agent: Agent) -> Agent:
     """Makes an agent that plays the mirror image of every kitchen that the given one plays.
 
-    It tells the agent the mirrored layout's name (so for `cramped_room-mirrored` the plain one), shows it everything
-    reversed left to right and exchanges its east and west.
+    The agent is given the mirrored layout's name (so for `cramped_room-mirrored` the plain one), sees everything
+    reversed left to right, and its east and west are exchanged.
 
     Args:
-        agent: Sees a grid or states. The 96 features cannot be mirrored: between two things at the same distance they
-            choose by column, which the features themselves do not tell.
+        agent: Sees a grid or states. The 96 features cannot be mirrored: between two objects at the same distance they
+            choose by column, which cannot be recovered from the features.
 
     Raises:
-        UnknownLayout: What the agent sees cannot be mirrored.
+        UnknownLayout: The agent's observation cannot be mirrored.
     """
     from overcooked_bench.kitchen.observations.registry import find_observation
 
     seen = None if agent.observation == "state" else find_observation(agent.observation)
     if seen and not seen.can_mirror:
         raise UnknownLayout(
-            f"an agent that sees {agent.observation!r} cannot be shown a mirrored kitchen; grids and states can be "
+            f"an agent that observes {agent.observation!r} cannot be shown a mirrored kitchen; grids and states can be "
             "mirrored"
         )
     return _Mirrored(agent, seen)
@@ -76,7 +76,7 @@ def mirror_state(state: KitchenState, width: int) -> KitchenState:
 
 
 def mirror_actions(actions: ArrayLike) -> NDArray[Any]:
-    """Exchanges east and west; whatever else stands there is left for the caller to judge."""
+    """Exchanges east and west; other values are left for the caller to check."""
     given = np.asarray(actions)
     exchanged = given.copy()
     for action, other in _ACTIONS.items():

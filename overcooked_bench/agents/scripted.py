@@ -75,5 +75,5 @@ SCRIPTED: Final[dict[str, Scripted]] = {
 
 
 def scripted_sha256(name: str, version: int) -> str:
-    """Computes the hash that stands for a scripted agent where others have a hash of their weights."""
+    """Computes the hash of a scripted agent, which other agents have of their weights."""
     return hashlib.sha256(f"scripted/{name}/{version}".encode()).hexdigest()

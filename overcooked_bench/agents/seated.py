@@ -46,11 +46,11 @@ class SeatedFault(AgentFault, ValueError):
 
 
 class Views:
-    """What the agents of a batch of kitchens see at one step; each observation is made once.
+    """The observations of the agents of a batch of kitchens at one step; each is made once.
 
     Args:
         kitchens: The kitchens.
-        seats: (N,) the one seat of each kitchen that is looked at; both by default.
+        seats: (N,) the one seat of each kitchen that is observed; both by default.
     """
 
     def __init__(self, kitchens: Kitchens, seats: NDArray[np.int64] | None = None) -> None:
@@ -94,7 +94,7 @@ class Seated:
         observation: What it is shown, read from the agent once.
 
     Raises:
-        SeatedFault: The agent's observation is none.
+        SeatedFault: The agent's `observation` is not an observation.
     """
 
     def __init__(

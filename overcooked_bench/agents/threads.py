@@ -1,4 +1,4 @@
-"""Torch on one thread, so that sums are formed in the same order everywhere."""
+"""Keeps torch on one thread, so that sums are formed in the same order everywhere."""
 
 import sys
 from collections.abc import Iterator
@@ -7,10 +7,10 @@ from contextlib import contextmanager
 
 @contextmanager
 def one_thread(load: bool = True) -> Iterator[None]:
-    """Keeps torch on one thread for a while.
+    """Keeps torch on one thread within a `with` block.
 
     Args:
-        load: Whether to load torch for that, which takes seconds; where it is not loaded otherwise, nothing happens.
+        load: Whether to load torch for that, which takes seconds; if torch is not loaded, nothing happens.
     """
     if not load and "torch" not in sys.modules:
         yield

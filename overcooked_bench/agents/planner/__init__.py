@@ -1,1 +1,1 @@
-"""The `greedy` planner and its kin: facts about the kitchen, what is most useful, and the way there."""
+"""The planner of `greedy` and the couriers: facts about the kitchen, the most useful errand, and the way there."""

@@ -1,4 +1,4 @@
-"""What a scripted chef does next: an errand, chosen from what is held, what the pots need and what the mate does."""
+"""Chooses a scripted chef's next errand from both chefs' hands, the needs of the pots and the partner's activity."""
 
 from typing import Final
 
@@ -20,13 +20,13 @@ from overcooked_bench.agents.planner.facts import (
     GOAL,
     HAND,
     HAND_OVER,
-    MATE,
-    MATE_DISH,
-    MATE_FOOD,
-    MATE_HAND,
-    MATES,
     ME,
     NEED,
+    PARTNER,
+    PARTNER_BEST,
+    PARTNER_DISH,
+    PARTNER_FOOD,
+    PARTNER_HAND,
     PUT_DOWN,
     ROOM,
     SERVES,
@@ -50,7 +50,7 @@ _LAY_DOWN: Final = 2  # steps it takes to have one's hands free
 
 
 def choose(facts: Facts, role: int) -> None:
-    """Sets GOAL, the tile to work at, or -1 where there is nothing to do but wait.
+    """Sets GOAL, the tile to work at, or -1 if there is nothing to do but wait.
 
     Args:
         facts: (B, FACTS), as `weigh` and `trust` leave them.
@@ -66,15 +66,17 @@ def choose(facts: Facts, role: int) -> None:
 
 @jit
 def _judge(facts: Facts, role: int) -> None:
-    """Finds what is wanted that the mate does not bring; sends off whoever holds a soup or what is not its job."""
+    """Finds what is missing that the partner does not supply; decides at once if its hands determine the errand."""
     for row in range(facts.shape[0]):
         f = facts[row]
         there = 0 if f[COOKS] else 1
-        f[DISHES_WANTED] = f[SOUPS] - f[MATE_DISH] - there * f[DISHES]
-        f[FOOD_WANTED] = f[NEED] - f[MATE_FOOD] - there * f[FOODS]
+        f[DISHES_WANTED] = f[SOUPS] - f[PARTNER_DISH] - there * f[DISHES]
+        f[FOOD_WANTED] = f[NEED] - f[PARTNER_FOOD] - there * f[FOODS]
         f[FOOD_ROOM] = f[COOKS] or f[ROOM] > 1 or (f[ROOM] == 1 and (f[DISHES] > 0 or f[SHARED] == 1))
-        nearer = f[MATES + START] < f[BEST + START] or (f[MATES + START] == f[BEST + START] and f[MATE] < f[ME])
-        f[STARTS] = f[COOKS] and f[AT + START] >= 0 and not (f[ACTIVE] and f[MATE_HAND] == NOTHING and nearer)
+        nearer = f[PARTNER_BEST + START] < f[BEST + START] or (
+            f[PARTNER_BEST + START] == f[BEST + START] and f[PARTNER] < f[ME]
+        )
+        f[STARTS] = f[COOKS] and f[AT + START] >= 0 and not (f[ACTIVE] and f[PARTNER_HAND] == NOTHING and nearer)
         f[ERRAND] = WAIT
         if f[HAND] == SOUP:
             f[ERRAND] = USE if f[SERVES] else HAND_OVER
@@ -95,22 +97,22 @@ def _empty_handed(facts: Facts, role: int) -> None:
         dish_steps, food_steps = f[BEST + DISH], f[BEST + food]
         brings_dish = role != ONION_COURIER and dish_steps < FAR
         brings_food = role != DISH_COURIER and food_steps < FAR and f[FOOD_ROOM]
-        free = role == GREEDY and f[COOKS] and f[ACTIVE] and f[MATE_HAND] == NOTHING
-        mate_dish, mate_food = f[MATES + DISH] if free else FAR, f[MATES + food] if free else FAR
-        first = f[ME] < f[MATE]  # where all else is equal
+        free = role == GREEDY and f[COOKS] and f[ACTIVE] and f[PARTNER_HAND] == NOTHING
+        partner_dish, partner_food = f[PARTNER_BEST + DISH] if free else FAR, f[PARTNER_BEST + food] if free else FAR
+        first = f[ME] < f[PARTNER]  # where all else is equal
         takes_dish = brings_dish and f[DISHES_WANTED] > 0
         takes_food = brings_food and f[FOOD_WANTED] > 0
         if takes_dish and takes_food:
             due = f[SOONEST] <= dish_steps + _EARLY * (1 if f[COOKS] else 3)
-            if due and mate_dish < FAR and mate_food < FAR:
-                due = dish_steps + mate_food < food_steps + mate_dish + first
+            if due and partner_dish < FAR and partner_food < FAR:
+                due = dish_steps + partner_food < food_steps + partner_dish + first
             takes_food = not due
         elif takes_dish:
-            takes_dish = f[DISHES_WANTED] > 1 or dish_steps < mate_dish + first
+            takes_dish = f[DISHES_WANTED] > 1 or dish_steps < partner_dish + first
         elif takes_food:
-            takes_food = f[FOOD_WANTED] > 1 or food_steps < mate_food + first
-        ahead_dish = role == DISH_COURIER or (f[COOKS] and f[SOUPS] == 0 and f[NEED] > 0 and not f[MATE_DISH])
-        ahead_food = role == ONION_COURIER or not f[COOKS] or (f[MATE_DISH] and f[SOUPS] == 1)
+            takes_food = f[FOOD_WANTED] > 1 or food_steps < partner_food + first
+        ahead_dish = role == DISH_COURIER or (f[COOKS] and f[SOUPS] == 0 and f[NEED] > 0 and not f[PARTNER_DISH])
+        ahead_food = role == ONION_COURIER or not f[COOKS] or (f[PARTNER_DISH] and f[SOUPS] == 1)
         if f[STARTS]:
             f[ERRAND] = START
         elif role != ONION_COURIER and f[SERVES] and f[AT + SOUP] >= 0:
@@ -130,13 +132,13 @@ def _with_dish(facts: Facts, role: int) -> None:
         if f[HAND] != DISH or role == ONION_COURIER:
             continue
         wanted = f[DISHES_WANTED] > 0
-        nearer = f[MATES + USE] < f[BEST + USE] + (f[MATE] < f[ME])
+        nearer = f[PARTNER_BEST + USE] < f[BEST + USE] + (f[PARTNER] < f[ME])
         if not f[COOKS]:
             if f[ROOM] > 0 and (wanted or f[DISHES] == 0):
                 f[ERRAND] = HAND_OVER
             elif wanted or f[FOOD_WANTED] > 0:
                 f[ERRAND] = PUT_DOWN
-        elif f[SOUPS] > 0 and not (f[SOUPS] == 1 and f[MATE_DISH] and nearer):
+        elif f[SOUPS] > 0 and not (f[SOUPS] == 1 and f[PARTNER_DISH] and nearer):
             if f[STARTS]:
                 f[ERRAND] = PUT_DOWN
             elif f[BEST + USE] <= f[USE_STEPS] + 1:
@@ -151,7 +153,7 @@ def _with_food(facts: Facts, role: int) -> None:
         f = facts[row]
         if not NOTHING < f[HAND] < DISH or role == DISH_COURIER:
             continue
-        wanted, first = f[DISHES_WANTED], f[MATE] < f[ME]
+        wanted, first = f[DISHES_WANTED], f[PARTNER] < f[ME]
         if f[BITS] and not f[BITS] >> f[HAND] & 1:
             f[ERRAND] = PUT_DOWN
         elif not f[COOKS]:
@@ -159,11 +161,13 @@ def _with_food(facts: Facts, role: int) -> None:
                 f[ERRAND] = HAND_OVER
             elif wanted > 0:
                 f[ERRAND] = PUT_DOWN
-        elif f[AT + USE] >= 0 and not (f[NEED] == 1 and f[MATE_FOOD] and f[MATES + USE] < f[BEST + USE] + first):
+        elif f[AT + USE] >= 0 and not (
+            f[NEED] == 1 and f[PARTNER_FOOD] and f[PARTNER_BEST + USE] < f[BEST + USE] + first
+        ):
             f[ERRAND] = USE
         elif role == GREEDY:
-            mates = f[MATES + DISH] - (_LAY_DOWN if f[MATE_HAND] == NOTHING else 0)
-            mate_goes = f[ACTIVE] and (f[MATE_HAND] == NOTHING or f[MATE_FOOD])
-            mate_goes = mate_goes and wanted == 1 and mates < f[BEST + DISH] + first
-            if f[STARTS] or (wanted > 0 and f[BEST + DISH] < FAR and not mate_goes):
+            partner_steps = f[PARTNER_BEST + DISH] - (_LAY_DOWN if f[PARTNER_HAND] == NOTHING else 0)
+            partner_goes = f[ACTIVE] and (f[PARTNER_HAND] == NOTHING or f[PARTNER_FOOD])
+            partner_goes = partner_goes and wanted == 1 and partner_steps < f[BEST + DISH] + first
+            if f[STARTS] or (wanted > 0 and f[BEST + DISH] < FAR and not partner_goes):
                 f[ERRAND] = PUT_DOWN

@@ -1,4 +1,4 @@
-"""The planner: one agent for `greedy` and the two couriers, who differ in the jobs that they do.
+"""The planner: one agent for `greedy` and the two couriers, which differ in the jobs that they do.
 
 Axes: B rows (simultaneous episodes), H x W the grid.
 """
@@ -19,13 +19,13 @@ _SEAT_SALT: Final = 0x5851F42D4C957F2D  # keeps two copies with the same seeds a
 
 
 class Planner:
-    """Goes shortest paths to what is most useful now, given what both chefs hold and what lies where.
+    """Walks shortest paths to what is most useful now, given both chefs' hands and the objects in the kitchen.
 
     Args:
-        role: "greedy" does every job; "onion_courier" brings ingredients to pots and never plates; "dish_courier" waits
-            for soups, plates and serves them and never brings ingredients. All start full pots where that is needed.
-        layout: A shipped name, a grid's text, a file or a Layout, whose orders are cooked where `reset` names the same
-            layout.
+        role: "greedy" does every job; "onion_courier" puts ingredients into pots and never plates; "dish_courier" waits
+            for soups, plates and serves them and never fills pots. All start full pots if the cooking mode needs it.
+        layout: A shipped name, a grid's text, a file or a Layout; its orders are cooked as long as `reset` names the
+            same layout.
 
     Raises:
         LayoutError: No such layout.
@@ -56,13 +56,13 @@ class Planner:
         self._facts = np.zeros((len(self._seeds), FACTS), np.int64)
 
     def act(self, observations: NDArray[np.uint8]) -> NDArray[np.int64]:
-        """Chooses one action a row.
+        """Chooses one action per row.
 
         Args:
             observations: (B, 26, H, W) uint8.
 
         Raises:
-            ValueError: Another shape than the rows and the layout of `reset` have.
+            ValueError: The shape does not fit the rows and the layout of `reset`.
         """
         from overcooked_bench.agents.planner.errands import choose
         from overcooked_bench.agents.planner.facts import look, trust

@@ -1,4 +1,4 @@
-"""How a scripted chef gets there: along shortest paths, round the mate or out of its way, never locked for good."""
+"""Moves a scripted chef along shortest paths, around the partner or out of its way, without deadlocks."""
 
 from typing import Final
 
@@ -13,10 +13,10 @@ from overcooked_bench.agents.planner.facts import (
     GOAL,
     HAND,
     IDLE,
-    MATE,
-    MATE_FACING,
-    MATE_HAND,
     ME,
+    PARTNER,
+    PARTNER_FACING,
+    PARTNER_HAND,
     RESOLVED,
     STUCK,
     THROUGH,
@@ -30,18 +30,18 @@ from overcooked_bench.agents.planner.tables import BESIDE, FAR, NEXT, LayoutTabl
 from overcooked_bench.kitchen.codes import INTERACT, STAY
 from overcooked_bench.kitchen.jit import jit
 
-_PUSHED_LONG: Final = 3  # steps stuck after which even the one that goes first may step aside
-_YIELD: Final = 3  # steps one keeps out of the way
-_RESOLVE: Final = 8  # steps one keeps to a way, once two ways have been tried in turn
+_PUSHED_LONG: Final = 3  # steps stuck after which even the chef with priority may step aside
+_YIELD: Final = 3  # steps to keep out of the way
+_RESOLVE: Final = 8  # steps to keep to one way, once two ways have been tried in turn
 
 
 def walk(plan: LayoutTables, coins: NDArray[np.float64], facts: Facts) -> NDArray[np.int64]:
-    """Gives the actions that lead to GOAL and work there, or to the cell to wait on.
+    """Returns the actions that lead to GOAL and interact there, or lead to the cell to wait on.
 
     Args:
         plan: The layout's tables.
-        coins: (B,) numbers in [0, 1), the rows' own of this step.
-        facts: (B, FACTS), with GOAL; what was tried is noted.
+        coins: (B,) random numbers in [0, 1), one per row for this step.
+        facts: (B, FACTS), with GOAL; records what was tried.
 
     Returns:
         (B,) int64.
@@ -53,12 +53,12 @@ def walk(plan: LayoutTables, coins: NDArray[np.float64], facts: Facts) -> NDArra
 
 @jit
 def _head_for_goal(grid: Table, ways: Table, around: Table, coins: NDArray[np.float64], facts: Facts) -> None:
-    """Sets ACTION to the next one of a shortest way, round the mate or straight through, as if it were not there."""
+    """Sets ACTION to the first step of a shortest way, around the partner or straight through its cell."""
     for row in range(facts.shape[0]):
         f = facts[row]
-        me, mate = f[ME], f[MATE]
+        me, partner = f[ME], f[PARTNER]
         goal = f[GOAL] if f[GOAL] >= 0 else f[AT + WAIT]
-        way = around[mate if around.shape[0] > 1 else 0]
+        way = around[partner if around.shape[0] > 1 else 0]
         if f[STUCK] > 1 and f[RESOLVED] == 0:
             f[RESOLVED] = _RESOLVE if coins[row] < 0.5 else -_RESOLVE
         straight = way[me, goal] > ways[me, goal] + f[THROUGH]
@@ -71,27 +71,27 @@ def _head_for_goal(grid: Table, ways: Table, around: Table, coins: NDArray[np.fl
             n = grid[NEXT + direction, me]
             if grid[BESIDE + direction, me] == goal and f[GOAL] >= 0:
                 f[ACTION] = INTERACT if f[FACING] == direction else direction
-            elif n >= 0 and way[n, goal] < way[me, goal] and (straight or n != mate):
+            elif n >= 0 and way[n, goal] < way[me, goal] and (straight or n != partner):
                 f[ACTION], f[AHEAD] = direction, n
 
 
 @jit
 def _give_way(grid: Table, ways: Table, coins: NDArray[np.float64], facts: Facts) -> None:
-    """Waits for the mate or steps aside, rather away from it, by what both hold, and by a coin among equals."""
+    """Waits for the partner or steps aside, preferably away from it; their hands decide, or a coin in a tie."""
     for row in range(facts.shape[0]):
         f, coin = facts[row], coins[row]
-        me, mate, ahead, waits = f[ME], f[MATE], f[AHEAD], f[GOAL] < 0
-        evades = waits and ahead < 0 and f[IDLE] > 0 and grid[NEXT + f[MATE_FACING], mate] == me
-        if ahead == mate:
-            mine, mates = 0 if waits else 1 + f[HAND], 1 + f[MATE_HAND]
-            evades = mine < mates or (coin < 0.5 and (mine == mates or f[STUCK] >= _PUSHED_LONG))
-        elif ahead >= 0 and ((f[STUCK] > 0 and coin < 0.5) or (f[YIELDING] > 0 and ways[mate, ahead] <= 1)):
+        me, partner, ahead, waits = f[ME], f[PARTNER], f[AHEAD], f[GOAL] < 0
+        evades = waits and ahead < 0 and f[IDLE] > 0 and grid[NEXT + f[PARTNER_FACING], partner] == me
+        if ahead == partner:
+            mine, theirs = 0 if waits else 1 + f[HAND], 1 + f[PARTNER_HAND]
+            evades = mine < theirs or (coin < 0.5 and (mine == theirs or f[STUCK] >= _PUSHED_LONG))
+        elif ahead >= 0 and ((f[STUCK] > 0 and coin < 0.5) or (f[YIELDING] > 0 and ways[partner, ahead] <= 1)):
             f[ACTION], f[AHEAD] = STAY, -1
         if evades:
             f[ACTION], f[AHEAD], f[YIELDING], best = STAY, -1, _YIELD, -1
             for k in range(4):
                 direction = (k + int(coin * 8)) % 4
                 n = grid[NEXT + direction, me]
-                if n >= 0 and n != mate and ways[mate, n] > best:
-                    best, f[ACTION], f[AHEAD] = ways[mate, n], direction, n
+                if n >= 0 and n != partner and ways[partner, n] > best:
+                    best, f[ACTION], f[AHEAD] = ways[partner, n], direction, n
         f[TRIED] = f[AHEAD] >= 0

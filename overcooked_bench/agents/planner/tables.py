@@ -1,4 +1,4 @@
-"""What the scripted planners know of a layout before the game: ways, regions, recipes.
+"""Precomputed tables of a layout for the scripted planners: ways, regions, recipes.
 
 Axes: C = H x W cells in row-major order, R regions of the floor.
 """
@@ -14,22 +14,21 @@ from overcooked_bench.kitchen.codes import DIRECTIONS, MAX_INGREDIENTS, RECIPES
 from overcooked_bench.kitchen.layout import Layout
 
 FAR: Final = 10_000
-"""Steps to what is out of reach."""
+"""Steps to a cell that cannot be reached."""
 
 FLOOR, COUNTER, POT, SERVING, ONIONS, TOMATOES, DISHES = range(7)
 NOTHING, ONION, TOMATO, DISH, SOUP = range(5)
 
-# Rows of `LayoutTables.grid`: what a cell is; the region of a floor cell; from a floor cell the next cell in each
-# direction, or -1 where it is no floor; and the same with tiles only.
+# Rows of `LayoutTables.grid`: the tile of a cell; the region of a floor cell; from a floor cell the next cell in each
+# direction, or -1 if it is not floor; and the same with tiles only.
 TILE, REGION, NEXT, BESIDE, GRID_ROWS = 0, 1, 2, 6, 10
-# Rows of `LayoutTables.onward[r]`: by item, steps from a tile to where chefs of region r bring the item; then how badly
-# a floor cell is suited for waiting; then two flags in the cells 0 and 1: whether the region reaches a pot, and a
-# serving tile.
+# Rows of `LayoutTables.onward[r]`: by item, steps from a tile to where chefs of region r take the item; then the cost
+# of waiting on a floor cell; then two flags in the cells 0 and 1: whether the region reaches a pot, and a serving tile.
 WAITING, FLAGS, ONWARD_ROWS = 5, 6, 7
 
-_MOST_CELLS: Final = 160  # beyond, the mate is not planned around: the table would take more than 8 MB
-_BY_A_POT, _BY_A_TILE = 8, 4  # steps that one waits further off not to be in the way
-_NEAR: Final = 3  # how much more being near the pots counts than going there
+_MOST_CELLS: Final = 160  # in larger kitchens plans ignore the partner: the table would take more than 8 MB
+_BY_A_POT, _BY_A_TILE = 8, 4  # extra steps accepted to wait out of the way
+_NEAR: Final = 3  # weight of being near the pots relative to the way there
 
 
 class LayoutTables(NamedTuple):
@@ -37,8 +36,9 @@ class LayoutTables(NamedTuple):
 
     Attributes:
         grid: (10, C) int64  see the rows above
-        ways: (C, C) int64  steps from a floor cell to a floor cell, or to the nearest cell beside a tile
-        around: (C or 1, C, C) int64  the same by the cell that the mate blocks; without the mate in large kitchens
+        ways: (C, C) int64  steps from a floor cell to a floor cell, or to the nearest cell next to a tile
+        around: (C or 1, C, C) int64  the same by the cell that the partner blocks; in large kitchens without the
+            partner
         onward: (R, 7, C) int64  see the rows above
         wanted: (4, 4, 2) int64  what a pot should become, by the onions and tomatoes in it
     """
@@ -52,7 +52,7 @@ class LayoutTables(NamedTuple):
 
 @lru_cache(maxsize=32)
 def make_tables(layout: Layout) -> LayoutTables:
-    """Works out the tables of a layout; the same ones again, not to be changed, for the same layout."""
+    """Computes the tables of a layout; cached, so they must not be changed."""
     kinds = dict(zip(" XPSOTD", (FLOOR, COUNTER, POT, SERVING, ONIONS, TOMATOES, DISHES), strict=True))
     tiles = np.array([kinds[tile] for row in layout.rows for tile in row], np.int64)
     cells, width = len(tiles), layout.width
@@ -74,13 +74,13 @@ def make_tables(layout: Layout) -> LayoutTables:
 
 
 def targets(rewards: Sequence[float], onions: bool, tomatoes: bool) -> NDArray[np.int64]:
-    """Says what each content of a pot should become.
+    """Computes what each content of a pot should become.
 
-    The best paid order that can be reached by adding what there is, the smallest of equals. Where none can: a pot full
-    of anything, which is cooked and served for nothing, to free the pot.
+    That is the best paid order that can be reached by adding available ingredients, the smallest in a tie. If there is
+    none, it is a full pot of anything, which is cooked and served for no reward to free the pot.
 
     Args:
-        rewards: Reward points of a soup by recipe index, 0 for what is not ordered (`Layout.soup_rewards`).
+        rewards: Reward points of a soup by recipe index, 0 if it is not ordered (`Layout.soup_rewards`).
         onions: Whether there are onions to add.
         tomatoes: Whether there are tomatoes to add.
 
@@ -110,7 +110,7 @@ def _beside(tiles: NDArray[np.int64], width: int) -> list[list[int]]:
 
 
 def _ways(grid: NDArray[np.int64], beside: list[list[int]], blocked: int) -> NDArray[np.int64]:
-    """Measures the steps from each floor cell to each cell, not passing the blocked one (-1 for none)."""
+    """Computes the steps from each floor cell to each cell without crossing the blocked one (-1 for none)."""
     cells = grid.shape[1]
     ways = np.full((cells, cells), FAR, np.int64)
     floor = np.flatnonzero(grid[TILE] == FLOOR)

@@ -1,7 +1,7 @@
-"""What the pots need, what lies about, and the best tile for each errand of a scripted planner.
+"""Computes the needs of the pots, the objects in the kitchen, and the best tile for each errand of a scripted planner.
 
-Axes: B rows, C cells. Shared by all: `steps` and `mates` (B, C), the steps of oneself and of the mate to each cell;
-`grid` and `onward` as in `LayoutTables`.
+Axes: B rows, C cells. Shared by all: `steps` and `partner_steps` (B, C), the steps of this chef and of the partner to
+each cell; `grid` and `onward` as in `LayoutTables`.
 """
 
 from typing import Final
@@ -19,11 +19,11 @@ from overcooked_bench.agents.planner.facts import (
     FOODS,
     HAND,
     HAND_OVER,
-    MATE,
-    MATE_COOKS,
-    MATES,
     ME,
     NEED,
+    PARTNER,
+    PARTNER_BEST,
+    PARTNER_COOKS,
     POTS_NOW,
     PUT_DOWN,
     ROOM,
@@ -62,46 +62,48 @@ from overcooked_bench.agents.planner.tables import (
 from overcooked_bench.kitchen.image import CHANNELS
 from overcooked_bench.kitchen.jit import jit
 
-_LATE: Final = FAR // 2  # steps left of a soup that waits to be started
-_FULLER: Final = 2  # steps of a way that an ingredient less to bring is worth
-_NOT_SHARED: Final = 50  # steps that one goes not to lay things in the way on a shared counter
+_LATE: Final = FAR // 2  # remaining steps assumed for a soup that waits to be started
+_FULLER: Final = 2  # steps that one missing ingredient less is worth
+_NOT_SHARED: Final = 50  # steps accepted to avoid blocking a shared counter
 
 _IN_POT, _IN_SOUP = CHANNELS.index("onions_in_pot"), CHANNELS.index("onions_in_soup")  # tomatoes follow
 _REMAINING: Final = CHANNELS.index("cook_time_remaining")
 
 
 def weigh(views: NDArray[np.uint8], plan: LayoutTables, facts: Facts) -> None:
-    """Fills in all facts from POTS_NOW on.
+    """Computes all facts from POTS_NOW on.
 
     Args:
         views: (B, 26, C) observations.
         plan: The layout's tables.
         facts: (B, FACTS), as `look` leaves them.
     """
-    me, mate = facts[:, ME], facts[:, MATE]
-    mates = plan.ways[mate]
-    steps = np.minimum(plan.around[mate if len(plan.around) > 1 else 0, me], plan.ways[me] + facts[:, THROUGH, None])
+    me, partner = facts[:, ME], facts[:, PARTNER]
+    partner_steps = plan.ways[partner]
+    steps = np.minimum(plan.around[partner if len(plan.around) > 1 else 0, me], plan.ways[me] + facts[:, THROUGH, None])
     facts[:, POTS_NOW:BEST] = 0
     facts[:, BEST:AT] = FAR
     facts[:, AT:] = -1
-    facts[:, SAME] = plan.ways[me, mate] < FAR
+    facts[:, SAME] = plan.ways[me, partner] < FAR
     facts[:, [COOKS, SERVES]] = plan.onward[plan.grid[REGION, me], FLAGS, :2]
     facts[:, SOONEST] = FAR
-    _weigh_pots(views, plan.grid, steps, mates, plan.wanted, facts)
-    _weigh_counters(views, plan.grid, steps, mates, facts)
-    _weigh_tiles(views, plan.grid, steps, mates, plan.onward, facts)
+    _weigh_pots(views, plan.grid, steps, partner_steps, plan.wanted, facts)
+    _weigh_counters(views, plan.grid, steps, partner_steps, facts)
+    _weigh_tiles(views, plan.grid, steps, partner_steps, plan.onward, facts)
 
 
 @jit
-def _weigh_pots(views: NDArray[np.uint8], grid: Table, steps: Table, mates: Table, wanted: Table, facts: Facts) -> None:
-    """Sums up all pots in reach, where there are none those in the mate's; finds where to use what is held."""
+def _weigh_pots(
+    views: NDArray[np.uint8], grid: Table, steps: Table, partner_steps: Table, wanted: Table, facts: Facts
+) -> None:
+    """Sums up all pots in reach, or else those in the partner's reach; finds where to use the held object."""
     for row in range(views.shape[0]):
         view, f = views[row], facts[row]
         for c in range(views.shape[2]):
-            if grid[TILE, c] != POT or (steps[row, c] if f[COOKS] else mates[row, c]) >= FAR:
+            if grid[TILE, c] != POT or (steps[row, c] if f[COOKS] else partner_steps[row, c]) >= FAR:
                 continue
-            own, other, bits, extra = steps[row, c], mates[row, c], 1 << DISH, np.int64(0)
-            f[MATE_COOKS] |= other < FAR
+            own, other, bits, extra = steps[row, c], partner_steps[row, c], 1 << DISH, np.int64(0)
+            f[PARTNER_COOKS] |= other < FAR
             if view[_IN_SOUP, c] + view[_IN_SOUP + 1, c] > 0:
                 left, sign = np.int64(view[_REMAINING, c]), 100 + np.int64(view[_REMAINING, c])
             else:
@@ -114,21 +116,21 @@ def _weigh_pots(views: NDArray[np.uint8], grid: Table, steps: Table, mates: Tabl
                     f[NEED] += onions + tomatoes
                     f[BITS] |= bits
                 elif own < f[BEST + START]:
-                    f[BEST + START], f[AT + START], f[MATES + START] = own, c, other
+                    f[BEST + START], f[AT + START], f[PARTNER_BEST + START] = own, c, other
             f[POTS_NOW] = (f[POTS_NOW] * 131 + sign) & 0xFFFFFFFF
             if bits == 1 << DISH:
                 f[SOUPS] += 1
                 f[SOONEST] = min(f[SOONEST], left)
                 own, other = max(own, left), max(other, left)
             if bits >> f[HAND] & 1:
-                f[MATES + USE] = min(f[MATES + USE], other + extra)
+                f[PARTNER_BEST + USE] = min(f[PARTNER_BEST + USE], other + extra)
                 if own + extra < f[BEST + USE]:
                     f[BEST + USE], f[AT + USE], f[USE_STEPS] = own + extra, c, steps[row, c]
 
 
 @jit
-def _weigh_counters(views: NDArray[np.uint8], grid: Table, steps: Table, mates: Table, facts: Facts) -> None:
-    """Finds where things can be put down or handed over, and counts what lies between two regions."""
+def _weigh_counters(views: NDArray[np.uint8], grid: Table, steps: Table, partner_steps: Table, facts: Facts) -> None:
+    """Finds where objects can be put down or handed over, and counts the objects between two regions."""
     for row in range(views.shape[0]):
         view, f = views[row], facts[row]
         for c in range(views.shape[2]):
@@ -136,7 +138,7 @@ def _weigh_counters(views: NDArray[np.uint8], grid: Table, steps: Table, mates: 
             if grid[TILE, c] != COUNTER or own >= FAR:
                 continue
             item = item_at(view, c)
-            errand, shared = PUT_DOWN if item == NOTHING else -1, mates[row, c] < FAR and not f[SAME]
+            errand, shared = PUT_DOWN if item == NOTHING else -1, partner_steps[row, c] < FAR and not f[SAME]
             if shared:
                 f[SHARED] += 1
                 f[ROOM] += item == NOTHING
@@ -153,9 +155,9 @@ def _weigh_counters(views: NDArray[np.uint8], grid: Table, steps: Table, mates: 
 
 @jit
 def _weigh_tiles(
-    views: NDArray[np.uint8], grid: Table, steps: Table, mates: Table, onward: Table, facts: Facts
+    views: NDArray[np.uint8], grid: Table, steps: Table, partner_steps: Table, onward: Table, facts: Facts
 ) -> None:
-    """Finds where to take things on the way to where they go, where to serve and where to wait."""
+    """Finds where to take each object on the way to its destination, where to serve and where to wait."""
     for row in range(views.shape[0]):
         view, f = views[row], facts[row]
         mine = onward[grid[REGION, f[ME]]]
@@ -164,15 +166,15 @@ def _weigh_tiles(
             item = tile - ONIONS + ONION
             if tile == COUNTER:
                 item = item_at(view, c)
-                if item != SOUP and not f[COOKS] and not f[SAME] and mates[row, c] < FAR:
+                if item != SOUP and not f[COOKS] and not f[SAME] and partner_steps[row, c] < FAR:
                     item = NOTHING  # it was handed over
-            if tile == FLOOR and c != f[MATE]:
+            if tile == FLOOR and c != f[PARTNER]:
                 errand, extra = WAIT, mine[WAITING, c]
             elif tile == SERVING and f[HAND] == SOUP:
                 errand = USE
             elif item > NOTHING:
                 errand, extra = item, mine[item, c]
             if errand >= 0:
-                f[MATES + errand] = min(f[MATES + errand], mates[row, c] + extra)
+                f[PARTNER_BEST + errand] = min(f[PARTNER_BEST + errand], partner_steps[row, c] + extra)
                 if steps[row, c] + extra < f[BEST + errand]:
                     f[BEST + errand], f[AT + errand] = steps[row, c] + extra, c

@@ -61,7 +61,7 @@ class Policy:
 
 
 class PolicyFiles(NamedTuple):
-    """Where a policy lies.
+    """The files of a policy.
 
     Attributes:
         weights: `<name>.safetensors`.
@@ -73,7 +73,7 @@ class PolicyFiles(NamedTuple):
 
 
 def policy_files(path: str | Path) -> PolicyFiles:
-    """Gives the pair of files that a policy consists of, from either of them or from their common stem."""
+    """Returns the pair of files of a policy, from either of them or from their common stem."""
     path = Path(path)
     if path.suffix in (WEIGHTS_SUFFIX, ARCHITECTURE_SUFFIX):
         path = path.with_suffix("")
