@@ -1,14 +1,39 @@
 """The training methods by the names that the command line has for them."""
 
+from importlib import import_module
+from types import ModuleType
 from typing import Final
 
+from overcooked_bench.errors import WrongUse
+from overcooked_bench.shelf import guess
+
 METHODS: Final[dict[str, str]] = {
-    "self-play": "self_play",
-    "biased-self-play": "biased_self_play",
-    "best-response": "best_response",
-    "partner-sampling": "partner_sampling",
-    "pretrained-partners": "pretrained_partners",
-    "pbt": "pbt",
-    "population": "population",
+    "self-play": "one policy on both seats",
+    "biased-self-play": "self-play that is also paid for events, by weights drawn per run",
+    "best-response": "one learner against fixed partners",
+    "partner-sampling": "self-play against the learner's own saved past",
+    "pretrained-partners": "one learner against partners trained beforehand (fictitious co-play)",
+    "pbt": "a population that learns with each other, the worst replaced by copies of the best",
+    "population": "the thesis's method: agents trained one by one to differ from those before, and two final ones",
 }
-"""Method -> its module in this package, which has `Config`, `train` and `main`."""
+"""Method -> what it trains. Its module in this package has the same name, with underscores."""
+
+
+def check_method(name: str) -> None:
+    """Makes sure that there is a method of this name.
+
+    Raises:
+        WrongUse: There is none.
+    """
+    if name not in METHODS:
+        raise WrongUse(f"no training method named {name!r}; {guess(name, METHODS)}there is {', '.join(METHODS)}")
+
+
+def find_method(name: str) -> ModuleType:
+    """Imports a method's module, which has `Config`, `train` and `main`.
+
+    Raises:
+        WrongUse: There is no such method.
+    """
+    check_method(name)
+    return import_module(f"{__package__}.{name.replace('-', '_')}")

@@ -7,7 +7,6 @@ again; what comes out depends on the configuration alone, not on stops, processe
 
 import json
 from dataclasses import asdict
-from importlib import import_module
 from math import ceil
 from pathlib import Path
 from typing import Final
@@ -30,7 +29,7 @@ from overcooked_bench.files import write_whole
 
 from .learning.locks import locked
 from .learning.run import CONFIG_FILE, Outcome, read_json, write_json
-from .methods import METHODS
+from .methods import find_method
 from .pool_config import EARLY, FINAL, HALF, Kind, PoolConfig, Run
 
 AGENTS_FILE: Final = "agents.json"
@@ -55,7 +54,7 @@ def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
     """
     if (folder / AGENTS_FILE).exists():
         return True
-    train = import_module(f"{__package__}.{METHODS[run.group.method]}").train
+    train = find_method(run.group.method).train
     outcome: Outcome | None = train(run.settings, folder, run.seed, resume=(folder / CONFIG_FILE).exists(), every=every)
     if outcome is None:
         return False

@@ -52,7 +52,7 @@ def main(
     source: str,
     runs: str | None = None,
     output: str | None = None,
-    processes: int = 1,
+    workers: int = 1,
     layouts: Sequence[str] | None = None,
     groups: Sequence[str] | None = None,
     limit: int | None = None,
@@ -63,7 +63,7 @@ def main(
         source: A shipped configuration's name, or a YAML file.
         runs: Folder for the training runs; `runs/<pool>` by default.
         output: The pool's folder; `pools/<pool>` by default.
-        processes: Runs side by side.
+        workers: Runs side by side.
         layouts: Only these.
         groups: Only these, by prefix.
         limit: So many training runs at most.
@@ -79,7 +79,7 @@ def main(
         home, pool = Path(runs or f"runs/{config.name}"), Path(output or f"pools/{config.name}")
         wanted = _select(config, missing(config, pool), layouts, groups)
         with _Display(len(wanted)) as display:
-            result = build(wanted[:limit], home, pool, processes, display)
+            result = build(wanted[:limit], home, pool, workers, display)
     except (PoolConfigError, PoolBuildError, PoolError) as error:
         print(f"overcooked-bench pool build: {error}", file=sys.stderr)
         return 2
@@ -96,7 +96,7 @@ def build(
     wanted: Sequence[Run],
     home: Path,
     pool: Path,
-    processes: int,
+    workers: int,
     display: "_Display | None" = None,
     every: int = 250_000,
 ) -> Result:
@@ -106,7 +106,7 @@ def build(
         wanted: What to train, in this order.
         home: Folder for the runs.
         pool: Folder of the pool.
-        processes: Runs at the same time.
+        workers: Runs at the same time.
         display: Shows how far they are.
         every: Joint steps between checkpoints of a run.
     """
@@ -115,7 +115,7 @@ def build(
     shown = display or _Display(0)
     while running or (left and not result.stopped):
         try:
-            while left and len(running) < processes and not result.stopped:
+            while left and len(running) < workers and not result.stopped:
                 run = left.popleft()
                 with hold_stops():  # until it is known whom to pass Ctrl-C on to
                     process = start_process(_work, run, home / run.path, every, name=run.path)

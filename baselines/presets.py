@@ -6,7 +6,6 @@ A configuration says where it differs from the method's defaults; `extends: othe
 
 import types
 from dataclasses import MISSING, fields
-from importlib import import_module
 from importlib.resources import files
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -16,7 +15,7 @@ from overcooked_bench.kitchen.layout import MIRRORED, Layout, LayoutError
 from overcooked_bench.shelf import guess
 
 from .learning.settings import Settings
-from .methods import METHODS
+from .methods import check_method, find_method
 
 AnySettings = TypeVar("AnySettings", bound=Settings)
 
@@ -34,11 +33,9 @@ def config_class(method: str) -> type[Settings]:
     """Gives the settings class of a method.
 
     Raises:
-        PresetError: There is no such method.
+        WrongUse: There is no such method.
     """
-    if method not in METHODS:
-        raise PresetError(f"no training method named {method!r}; there is {', '.join(METHODS)}")
-    kind: type[Settings] = import_module(f"{__package__}.{METHODS[method]}").Config
+    kind: type[Settings] = find_method(method).Config
     return kind
 
 
@@ -132,6 +129,6 @@ def _fitted(hint: Any, value: Any, where: str) -> Any:
 
 
 def _read(method: str) -> dict[str, Any]:
-    config_class(method)
+    check_method(method)
     file = files(__package__ or "").joinpath("configs", f"{method}.yaml")
     return parse_yaml(file.read_text(encoding="utf-8"), file.name, PresetError).data

@@ -1,12 +1,19 @@
 """The program as people run it: real processes, small games."""
 
+import argparse
 import json
 import re
+import shlex
 import subprocess
 import sys
+import time
+from importlib import import_module
+from importlib.metadata import version
 
 import pytest
 
+from overcooked_bench import cli
+from overcooked_bench.commands import listing
 from tests.evaluation.made import protocol_text, write_agent
 
 PROGRAM = [sys.executable, "-c", "import sys; from overcooked_bench.cli import main; sys.exit(main())"]
@@ -78,71 +85,101 @@ def test_replay_shows_and_writes(scored, home):
         (["score", "greedy", "--layouts", "cramped_rom"], 2, "does not play cramped_rom"),
         (["score", "greedy", "--pool", "nowhere"], 2, "no pool named 'nowhere'"),
         (["score", "greedy", "--engine", "abacus"], 2, "no engine named 'abacus'"),
-        (["score", "greedy", "--workers", "0"], 2, "workers is 0"),
+        (["score", "greedy", "--workers", "0"], 2, "give a whole number from 1"),
         (["replay", "nowhere"], 2, "no such file"),
         (["score", "greedy", "--layouts", ","], 2, "no name given"),
-        (["train", "seeds"], 2, "no training method named 'seeds'; there is self-play"),
-        (["train"], 2, "overcooked-bench train self-play"),
+        (["score", "greedy", "--act-timeout", "0"], 2, "give a number above 0"),
+        (["score"], 2, "required: AGENT; overcooked-bench score --help"),
+        (["crossplay", "nowhere"], 2, "no pool named 'nowhere'"),
+        (["list", "dogs"], 2, "invalid choice: 'dogs'"),
+        (["train"], 2, "required: METHOD, ...; overcooked-bench train --help"),
         (["train", "by-magic"], 2, "no training method named 'by-magic'"),
         (["dance"], 2, "invalid choice: 'dance'"),
     ],
 )
 def test_mistakes_end_in_one_message(arguments, code, words, home, monkeypatch, capsys):
-    from overcooked_bench.cli import main
-
     monkeypatch.chdir(home)
     protocol = ["--protocol", "tiny.yaml"] if arguments[0] == "score" else []
     workers = [] if "--workers" in arguments or arguments[0] != "score" else ["--workers", "1"]
-    try:
-        given = main([*arguments, *protocol, *workers])
-    except SystemExit as stop:  # argparse
-        given = stop.code
+    given = cli.main([*arguments, *protocol, *workers])
     said = capsys.readouterr().err
     assert given == code
+    assert said.startswith("overcooked-bench: ")
+    assert said.count("\n") == 1
     assert words in said
     assert "Traceback" not in said
 
 
-@pytest.mark.parametrize("command", ["score", "replay", "train", "list"])
-def test_every_command_has_help_with_an_example(command, capsys):
-    from overcooked_bench.cli import main
+def commands(parser, words=()):
+    """All commands and groups of commands, with their parsers."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for name, inner in action.choices.items():
+                yield [*words, name], inner
+                yield from commands(inner, [*words, name])
 
+
+@pytest.mark.parametrize("words", [words for words, _ in commands(cli._parser())], ids=" ".join)
+def test_every_command_has_help_with_an_example_that_is_understood(words, capsys):
     with pytest.raises(SystemExit) as stop:
-        main([command, "--help"])
+        cli.main([*words, "--help"])
     assert stop.value.code == 0
-    assert f"overcooked-bench {command} " in capsys.readouterr().out.partition("example:")[2]
+    program, *example = shlex.split(capsys.readouterr().out.partition("example:\n")[2])
+    assert program == "overcooked-bench"
+    assert example[: len(words)] == words
+    assert cli._parser().parse_args(example).command
 
 
-def test_list_names_everything(capsys):
-    from overcooked_bench.cli import main
-
-    assert main(["list", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert set(found) == {"layouts", "agents", "protocols", "pools"}
-    assert "counter_circuit" in found["layouts"]
-    assert "greedy" in found["agents"]
-    assert main(["list", "protocols"]) == 0
-    assert capsys.readouterr().out == "protocols\n  dev\n"
+def test_one_flag_has_one_meaning():
+    meant = {}
+    for words, parser in commands(cli._parser()):
+        for action in parser._actions:
+            for flag in action.option_strings:
+                meant.setdefault(flag, {}).setdefault((action.metavar, action.nargs), []).append(" ".join(words))
+    for flag in ("--layouts", "--workers", "--output", "--json", "--engine", "--seed"):
+        assert len(meant[flag]) == 1, meant[flag]
 
 
-def test_train_passes_everything_on(monkeypatch):
-    import types
+def test_a_command_is_one_file_and_one_row(tmp_path, monkeypatch, capsys):
+    (tmp_path / "greet.py").write_text(
+        "from overcooked_bench.commands.common import add_command\n\n\n"
+        "def add_greet(commands):\n"
+        "    parser = add_command(commands, 'greet', _greet, 'greet a cook', 'overcooked-bench greet Ann')\n"
+        "    parser.add_argument('name')\n\n\n"
+        "def _greet(options):\n"
+        "    print(f'hello {options.name}')\n"
+        "    return 0\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(cli, "COMMANDS", [*cli.COMMANDS, import_module("greet").add_greet])
+    assert cli.main(["greet", "Ann"]) == 0
+    assert capsys.readouterr().out == "hello Ann\n"
 
-    from overcooked_bench import cli
 
-    given = []
-    method = types.SimpleNamespace(main=lambda arguments: given.append(arguments) or 3)
-    monkeypatch.setattr(cli, "import_module", lambda name: method if name.endswith("baselines.self_play") else None)
-    assert cli.main(["train", "self-play", "--layout", "cramped_room", "--help"]) == 3
-    assert given == [["--layout", "cramped_room", "--help"]]
+def test_the_package_runs_as_a_module_and_knows_its_version():
+    done = subprocess.run(
+        [sys.executable, "-m", "overcooked_bench", "--version"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == f"overcooked-bench {version('overcooked-bench')}\n"
 
 
 def test_ctrl_c_is_no_traceback(monkeypatch, capsys):
-    from overcooked_bench import cli
-
     def stopped(options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "_list", stopped)
+    monkeypatch.setattr(listing, "_list", stopped)
     assert cli.main(["list"]) == 130
     assert "goes on from there" in capsys.readouterr().err
+
+
+def test_sigterm_is_ctrl_c(home):
+    command = [*PROGRAM, "score", "greedy", "--protocol", "tiny.yaml", "--workers", "2", "--output", "terminated"]
+    with subprocess.Popen(command, cwd=home, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        give_up = time.monotonic() + 60
+        while not (home / "terminated" / "episodes.sqlite").exists() and time.monotonic() < give_up:
+            time.sleep(0.02)
+        process.terminate()
+        _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "goes on from there" in said
+    assert "Traceback" not in said

@@ -77,8 +77,9 @@ class Kind(NamedTuple):
 
 def _scripted(reference: Reference, mode: "Mode") -> Entrant:
     name = str(reference)
-    factory, version = SCRIPTED[name]
-    return Entrant(name, name, "scripted", scripted_sha256(name, version), lambda layout, _: factory(layout))
+    agent = SCRIPTED[name]
+    sha256 = scripted_sha256(name, agent.version)
+    return Entrant(name, name, "scripted", sha256, lambda layout, _: agent.factory(layout))
 
 
 def _script(reference: Reference, mode: "Mode") -> Entrant:

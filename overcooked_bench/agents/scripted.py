@@ -26,10 +26,12 @@ class Scripted(NamedTuple):
     Attributes:
         factory: Makes one for a layout: a shipped name, a grid's text, a file or a Layout.
         version: Raise it when the agent's behaviour changes: scores against different versions are not comparable.
+        what: What it does, in a few words, for lists.
     """
 
     factory: Callable[[str | Layout], Agent]
     version: int = 1
+    what: str = ""
 
 
 class _Simple:
@@ -65,11 +67,11 @@ class Random(_Simple):
 
 
 SCRIPTED: Final[dict[str, Scripted]] = {
-    "stay": Scripted(Stay),
-    "random": Scripted(Random),
-    "onion_courier": Scripted(partial(Planner, "onion_courier")),
-    "dish_courier": Scripted(partial(Planner, "dish_courier")),
-    "greedy": Scripted(partial(Planner, "greedy")),
+    "stay": Scripted(Stay, what="never moves"),
+    "random": Scripted(Random, what="draws each action with the same probability"),
+    "onion_courier": Scripted(partial(Planner, "onion_courier"), what="only brings ingredients to pots"),
+    "dish_courier": Scripted(partial(Planner, "dish_courier"), what="only fetches dishes, plates and serves"),
+    "greedy": Scripted(partial(Planner, "greedy"), what="does whatever is most useful at the moment"),
 }
 """The scripted agents by name."""
 

@@ -1,9 +1,23 @@
-"""What the commands share: how they are declared, and how they show what they do."""
+"""What the commands share: how they are declared, options that many have, and how they show what they do."""
 
 import argparse
 import sys
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NoReturn
+
+from overcooked_bench.errors import WrongUse
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose mistakes look like all others: one line, exit code 2."""
+
+    def __init__(self, *arguments: Any, **keywords: Any) -> None:
+        look = {"formatter_class": argparse.RawDescriptionHelpFormatter, "allow_abbrev": False}
+        super().__init__(*arguments, **{**look, **keywords})
+
+    def error(self, message: str) -> NoReturn:
+        """Raises a WrongUse."""
+        raise WrongUse(f"{message}; {self.prog} --help shows what can be written")
 
 
 def add_command(
@@ -23,10 +37,45 @@ def add_command(
         help=summary,
         description=summary[0].upper() + summary[1:] + ".",
         epilog=f"example:\n  {example}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(command=run)
     return parser
+
+
+def add_group(commands: Any, name: str, summary: str, example: str) -> Any:
+    """Declares a command that has commands of its own, as `add_command` does; returns what takes these."""
+    parser = add_command(commands, name, lambda _: 0, summary, example)
+    return parser.add_subparsers(metavar="COMMAND", required=True)
+
+
+def add_layouts(parser: argparse.ArgumentParser, summary: str = "only these layouts") -> None:
+    """Declares `--layouts`."""
+    parser.add_argument("--layouts", metavar="A,B", type=names, help=summary)
+
+
+def add_output(parser: argparse.ArgumentParser, default: str) -> None:
+    """Declares `--output`, always a folder."""
+    parser.add_argument("--output", metavar="DIR", help=f"folder to write to (default: {default})")
+
+
+def add_workers(parser: argparse.ArgumentParser) -> None:
+    """Declares `--workers`; None stands for `default_workers()`."""
+    parser.add_argument("--workers", metavar="N", type=whole(1), help="processes (default: usable cores, at most four)")
+
+
+def add_engine(parser: argparse.ArgumentParser) -> None:
+    """Declares `--engine`."""
+    parser.add_argument("--engine", default="local", metavar="local|dask|ray", help="where the processes run")
+
+
+def add_seed(parser: argparse.ArgumentParser, summary: str) -> None:
+    """Declares `--seed`, 0 by default."""
+    parser.add_argument("--seed", metavar="N", type=whole(0), default=0, help=f"{summary} (default: 0)")
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Declares `--json`."""
+    parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
 
 
 def names(text: str) -> list[str]:
@@ -52,8 +101,26 @@ def whole(least: int) -> Callable[[str], int]:
     return parse
 
 
+def positive(text: str) -> float:
+    """Parses a number above 0, as argparse's `type`."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = 0.0
+    if not 0 < number < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text!r}; give a number above 0")
+    return number
+
+
+def print_json(content: Any) -> None:
+    """Prints plain values and msgspec structs as JSON."""
+    import msgspec
+
+    print(msgspec.json.format(msgspec.json.encode(content), indent=2).decode())
+
+
 def console() -> Any:
-    """Gives the console for tables: as wide as the terminal, else 100 columns."""
+    """Returns the console for tables: as wide as the terminal, else 100 columns."""
     from rich.console import Console
 
     return Console(width=None if sys.stdout.isatty() else 100)

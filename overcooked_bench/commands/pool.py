@@ -1,23 +1,29 @@
-"""`overcooked-bench pool`: build, show, verify and cross-play sets of frozen agents."""
+"""`overcooked-bench pool`: build, show and verify sets of frozen agents."""
 
 import argparse
-from importlib import import_module
 from typing import Any
 
-from overcooked_bench.commands.common import ProgressBar, add_command, console, names, whole
+from overcooked_bench.commands.common import (
+    ProgressBar,
+    add_command,
+    add_group,
+    add_json,
+    add_layouts,
+    add_output,
+    add_workers,
+    console,
+    names,
+    print_json,
+    whole,
+)
 
 
 def add_pool(commands: Any) -> None:
     """Declares the group."""
-    parser = commands.add_parser(
-        "pool",
-        help="build, show, verify and cross-play sets of frozen agents",
-        description="Build, show, verify and cross-play sets of frozen agents.",
-        epilog="example:\n  overcooked-bench pool show dev-v0",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+    inner = add_group(
+        commands, "pool", "build, show and verify sets of frozen agents", "overcooked-bench pool show dev-v0"
     )
-    inner = parser.add_subparsers(metavar="COMMAND", required=True)
-    for add in (_add_build, _add_show, _add_verify, _add_crossplay):
+    for add in (_add_build, _add_show, _add_verify):
         add(inner)
 
 
@@ -27,24 +33,26 @@ def _add_build(commands: Any) -> None:
         "build",
         _build,
         "train every agent that a pool's configuration names; the same command goes on where it was stopped",
-        "overcooked-bench pool build train-v1 --processes 2 --layouts cramped_room --limit 2",
+        "overcooked-bench pool build train-v1 --workers 2 --layouts cramped_room --limit 2",
     )
     parser.add_argument("config", metavar="CONFIG", help="a shipped configuration's name, or a YAML file")
-    parser.add_argument("--processes", metavar="N", type=whole(1), default=1, help="runs side by side, one core each")
-    parser.add_argument("--runs", metavar="DIR", help="where the training runs lie (default: runs/<pool>)")
-    parser.add_argument("--output", metavar="DIR", help="the pool's folder (default: pools/<pool>)")
-    parser.add_argument("--layouts", metavar="A,B", type=names, help="only these layouts")
+    add_workers(parser)
+    parser.add_argument("--runs", metavar="DIR", help="folder of the training runs (default: runs/<pool>)")
+    add_output(parser, "pools/<pool>")
+    add_layouts(parser)
     parser.add_argument("--groups", metavar="A,B", type=names, help="only these groups, by prefix")
     parser.add_argument("--limit", metavar="N", type=whole(1), help="stop after so many training runs")
 
 
 def _build(options: argparse.Namespace) -> int:
-    build = import_module("overcooked_bench.baselines.pool_queue").main
-    code: int = build(
+    from overcooked_bench.baselines.pool_queue import main
+    from overcooked_bench.evaluation.games.engines import default_workers
+
+    code: int = main(
         options.config,
         runs=options.runs,
         output=options.output,
-        processes=options.processes,
+        workers=options.workers or default_workers(),
         layouts=options.layouts,
         groups=options.groups,
         limit=options.limit,
@@ -61,8 +69,8 @@ def _add_show(commands: Any) -> None:
         "overcooked-bench pool show dev-v0 --layouts cramped_room",
     )
     parser.add_argument("pool", metavar="POOL", help="a shipped pool's name, or a folder")
-    parser.add_argument("--layouts", metavar="A,B", type=names, help="only these layouts")
-    parser.add_argument("--json", action="store_true", help="print the entries of the manifest in place of the table")
+    add_layouts(parser)
+    add_json(parser)
 
 
 def _show(options: argparse.Namespace) -> int:
@@ -70,9 +78,9 @@ def _show(options: argparse.Namespace) -> int:
     from overcooked_bench.evaluation.shown.pool_tables import pool_tables
 
     pool = Pool.load(options.pool)
-    layouts = _layouts(pool, options.layouts)
+    layouts = chosen_layouts(pool, options.layouts)
     if options.json:
-        _print_json([agent for layout in layouts for agent in pool.partners(layout)])
+        print_json([agent for layout in layouts for agent in pool.partners(layout)])
     else:
         console().print(pool_tables(pool, layouts))
     return 0
@@ -87,7 +95,7 @@ def _add_verify(commands: Any) -> None:
         "overcooked-bench pool verify dev-v0",
     )
     parser.add_argument("pool", metavar="POOL", help="a shipped pool's name, or a folder")
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_json(parser)
 
 
 def _verify(options: argparse.Namespace) -> int:
@@ -97,7 +105,7 @@ def _verify(options: argparse.Namespace) -> int:
         verdict = verify_pool(options.pool, on_progress=tell)
     if options.json:
         findings = [finding._asdict() for finding in verdict.findings]
-        _print_json({"sound": verdict.sound, "agents": verdict.agents, "findings": findings})
+        print_json({"sound": verdict.sound, "agents": verdict.agents, "findings": findings})
     else:
         for finding in verdict.findings:
             print(f"{'wrong' if finding.grave else 'warning'}: {finding.text}")
@@ -106,68 +114,8 @@ def _verify(options: argparse.Namespace) -> int:
     return 0 if verdict.sound else 1
 
 
-def _add_crossplay(commands: Any) -> None:
-    parser = add_command(
-        commands,
-        "crossplay",
-        _crossplay,
-        "play every agent of a pool with every other one, from both seats: matrix, heat map, ratio to self-play",
-        "overcooked-bench pool crossplay dev-v0 --layout forced_coordination --output crossplay/dev-v0",
-    )
-    parser.add_argument("pool", metavar="POOL", help="a shipped pool's name, or a folder")
-    parser.add_argument("--layout", metavar="A,B", type=names, help="only these layouts")
-    parser.add_argument("--agents", metavar="A,B", type=names, default=[], help="only these agents, such as 'sp-*'")
-    parser.add_argument("--checkpoints", action="store_true", help="checkpoints of a run too, not its last one alone")
-    parser.add_argument("--episodes", metavar="N", type=whole(2), default=20, help="episodes of each pair and seat")
-    parser.add_argument("--output", metavar="DIR", help="where to write (default: crossplay/<pool>)")
-    parser.add_argument(
-        "--workers", metavar="N", type=whole(1), help="processes (default: the usable cores, four at most)"
-    )
-    parser.add_argument("--seed", metavar="N", type=int, default=0, help="other start states")
-    parser.add_argument("--json", action="store_true", help="print JSON in place of the table")
-
-
-def _crossplay(options: argparse.Namespace) -> int:
-    from pathlib import Path
-
-    from overcooked_bench.agents.pools.pool import Pool
-    from overcooked_bench.evaluation.games.engines import default_workers
-    from overcooked_bench.evaluation.pools.crossplay import choose, cross_play
-    from overcooked_bench.evaluation.shown.heatmap import draw_heat_map
-    from overcooked_bench.evaluation.shown.pool_tables import crossplay_tables
-
-    pool = Pool.load(options.pool)
-    folder = Path(options.output) if options.output else Path("crossplay") / pool.name
-    chosen = {
-        layout: choose(pool, layout, options.agents, options.checkpoints) for layout in _layouts(pool, options.layout)
-    }
-    found = []
-    for layout, agents in chosen.items():
-        with ProgressBar(layout) as tell:
-            one = cross_play(
-                pool,
-                layout,
-                agents,
-                episodes=options.episodes,
-                seed=options.seed,
-                workers=default_workers() if options.workers is None else options.workers,
-                on_progress=lambda done, of, layout=layout: tell(layout, done, of),  # type: ignore[misc]
-            )
-        one.write(folder / layout)
-        draw_heat_map(one, folder / f"{layout}.png")
-        found.append(one)
-    if options.json:
-        _print_json(found)
-        return 0
-    shown = console()
-    shown.print(crossplay_tables(found))
-    for layout in chosen:
-        shown.print(f"{folder / layout}.png, .csv, .json", highlight=False, style="dim")
-    return 0
-
-
-def _layouts(pool: Any, wanted: list[str] | None) -> tuple[str, ...]:
-    """Gives the layouts to look at, in the pool's order.
+def chosen_layouts(pool: Any, wanted: list[str] | None) -> tuple[str, ...]:
+    """Returns the layouts to look at, in the pool's order.
 
     Raises:
         PoolError: The pool has no agents for one of them.
@@ -178,9 +126,3 @@ def _layouts(pool: Any, wanted: list[str] | None) -> tuple[str, ...]:
     if strange:
         raise PoolError(f"pool {pool.name!r} has no agents for {', '.join(strange)}; it has {', '.join(pool.layouts)}")
     return tuple(layout for layout in pool.layouts if wanted is None or layout in wanted)
-
-
-def _print_json(content: Any) -> None:
-    import msgspec
-
-    print(msgspec.json.format(msgspec.json.encode(content), indent=2).decode())

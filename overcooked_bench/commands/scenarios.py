@@ -1,4 +1,4 @@
-"""`overcooked-bench scenarios`: run, list, show, check and begin cooperation unit tests."""
+"""`overcooked-bench scenarios`: run, compare, list, show, check and create cooperation unit tests."""
 
 import argparse
 import os
@@ -6,7 +6,16 @@ import sys
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from overcooked_bench.commands.common import ProgressBar, add_command, console, names, whole
+from overcooked_bench.commands.common import (
+    ProgressBar,
+    add_command,
+    add_group,
+    add_json,
+    add_output,
+    console,
+    names,
+    whole,
+)
 from overcooked_bench.scenarios import CATEGORIES
 
 if TYPE_CHECKING:
@@ -22,14 +31,12 @@ _SELECT = "ids or their beginnings, categories, families, tags, patterns, files 
 
 def add_scenarios(commands: Any) -> None:
     """Declares the group."""
-    parser = commands.add_parser(
+    inner = add_group(
+        commands,
         "scenarios",
-        help="run, list, show, check and begin cooperation unit tests",
-        description="Run, list, show, check and begin cooperation unit tests.",
-        epilog="example:\n  overcooked-bench scenarios run convention --agent greedy",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "run, compare, list, show, check and create cooperation unit tests",
+        "overcooked-bench scenarios run convention --agent greedy",
     )
-    inner = parser.add_subparsers(metavar="COMMAND", required=True)
     for add in (_add_run, _add_compare, _add_list, _add_show, _add_check, _add_new):
         add(inner)
 
@@ -57,8 +64,8 @@ def _add_run(commands: Any) -> None:
     _add_seat(parser)
     parser.add_argument("--repeat", metavar="K", type=whole(0), help="play this run alone (from 0) and show its film")
     parser.add_argument("--film", action="store_true", help="show the last steps of every item that is failed")
-    parser.add_argument("--output", metavar="FILE", help="write what came of every item as JSON")
-    parser.add_argument("--json", action="store_true", help="print that JSON in place of the table")
+    parser.add_argument("--report", metavar="FILE", help="write the result of every item as JSON")
+    add_json(parser)
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -82,8 +89,8 @@ def _run(options: argparse.Namespace) -> int:
         options.agent, options.mode, options.repeats, options.training_seed, options.warmup, False, tuple(played)
     )
     text = json.dumps(result.to_dict(), indent=2) + "\n"
-    if options.output:
-        Path(options.output).write_text(text, "utf-8")
+    if options.report:
+        Path(options.report).write_text(text, "utf-8")
     if options.json:
         print(text, end="")
     else:
@@ -150,7 +157,7 @@ def _add_compare(commands: Any) -> None:
     parser.add_argument("--select", metavar="A,B", type=names, help=_SELECT)
     parser.add_argument("--repeats", metavar="N", type=whole(1), default=20, help="runs of each (default: 20)")
     parser.add_argument("--mode", choices=("sample", "greedy"), default="sample", help="how frozen policies act")
-    parser.add_argument("--json", action="store_true", help="print JSON in place of the table")
+    add_json(parser)
 
 
 def _compare(options: argparse.Namespace) -> int:
@@ -174,7 +181,7 @@ def _compare(options: argparse.Namespace) -> int:
 def _add_list(commands: Any) -> None:
     parser = add_command(commands, "list", _list, "list scenarios", "overcooked-bench scenarios list partner --json")
     _add_select(parser, "*")
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_json(parser)
 
 
 def _list(options: argparse.Namespace) -> int:
@@ -247,7 +254,7 @@ def _add_check(commands: Any) -> None:
     _add_select(parser, "+")
     parser.add_argument("--film", action="store_true", help="show a shortest solution, too")
     parser.add_argument("--lock", action="store_true", help="write the solutions beside the files: no search next time")
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_json(parser)
 
 
 def _check(options: argparse.Namespace) -> int:
@@ -319,7 +326,7 @@ def _add_new(commands: Any) -> None:
     parser.add_argument("id", metavar="ID", help="its name, and the file's")
     parser.add_argument("--layout", metavar="NAME", default="cramped_room", help="default: cramped_room")
     parser.add_argument("--category", choices=CATEGORIES, default="state", help="default: state")
-    parser.add_argument("--output", metavar="DIR", default=".", help="where to write (default: here)")
+    add_output(parser, "here")
 
 
 def _new(options: argparse.Namespace) -> int:
@@ -329,7 +336,7 @@ def _new(options: argparse.Namespace) -> int:
     from overcooked_bench.scenarios.language.loading import read_scenario
     from overcooked_bench.scenarios.language.template import template
 
-    file = Path(options.output) / f"{options.id}{SUFFIX}"
+    file = Path(options.output or "") / f"{options.id}{SUFFIX}"
     text = template(options.id, options.layout, options.category)
     read_scenario(text, str(file), options.id)
     if file.exists():

@@ -84,7 +84,7 @@ def test_a_stopped_run_goes_on_to_the_same_agents(built, tmp_path, monkeypatch):
 
 
 def test_a_finished_run_is_not_trained_again(built, monkeypatch):
-    monkeypatch.setattr(pool_build, "import_module", lambda _: pytest.fail("trained again"))
+    monkeypatch.setattr(pool_build, "find_method", lambda _: pytest.fail("trained again"))
     run = pool_config(built).runs()[0]
     before = (built / "pool" / "manifest.json").read_bytes()
     assert train_run(run, built / "runs" / run.path)
@@ -185,9 +185,9 @@ def test_the_command_publishes_what_is_there(built, tmp_path, capsys, monkeypatc
         (["nowhere"], "Shipped are dev-v0"),
         (["dev-v1", "--layouts", "bottleneck"], "has no layout 'bottleneck'"),
         (["dev-v1", "--groups", "bc"], "has no group 'bc'; it has sp, biased, half"),
-        (["dev-v1", "--processes", "0"], "give a whole number from 1"),
+        (["dev-v1", "--workers", "0"], "give a whole number from 1"),
     ],
-    ids=["config", "layout", "group", "processes"],
+    ids=["config", "layout", "group", "workers"],
 )
 def test_mistakes_end_in_one_message(arguments, words, tmp_path, monkeypatch, capsys):
     from overcooked_bench.cli import main as program
@@ -278,7 +278,7 @@ def test_processes_are_stopped_by_ctrl_c_and_go_on_to_the_same_pool(tmp_path):
         group("other", first=1, overrides=longer),
     )
     program = [sys.executable, "-c", "import sys; from overcooked_bench.cli import main; sys.exit(main())"]
-    command = [*program, "pool", "build", str(write_config(tmp_path, *groups)), "--processes", "2"]
+    command = [*program, "pool", "build", str(write_config(tmp_path, *groups)), "--workers", "2"]
     command += ["--runs", str(tmp_path / "runs"), "--output", str(tmp_path / "pool")]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as queue:
         deadline = time.monotonic() + 200

@@ -4,6 +4,7 @@ from overcooked_bench.baselines import presets
 from overcooked_bench.baselines.methods import METHODS
 from overcooked_bench.baselines.presets import PresetError, config_names, load_config
 from overcooked_bench.envs.spaces import observation_space
+from overcooked_bench.errors import WrongUse
 from overcooked_bench.kitchen.kitchens import Kitchens
 from overcooked_bench.kitchen.layout import layout_names
 
@@ -84,5 +85,5 @@ def test_a_file_that_is_no_mapping_is_refused(monkeypatch, tmp_path):
     monkeypatch.setattr(presets, "files", lambda _: tmp_path)
     with pytest.raises(PresetError, match="not a mapping"):
         config_names("self-play")
-    with pytest.raises(PresetError, match="no training method named 'self-pley'"):
+    with pytest.raises(WrongUse, match="no training method named 'self-pley'"):
         config_names("self-pley")

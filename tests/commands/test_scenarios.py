@@ -45,7 +45,7 @@ def scenarios(*arguments):
 def test_run_tells_what_is_passed(home, capsys):
     assert scenarios("run", "T02-pot.scenario.yaml", "--agent", "potter.py") == 0
     assert re.search(r"state +4 +4 +1\.00 \[0\.21, 1\.00\]", capsys.readouterr().out)
-    assert scenarios("run", ".", "--agent", "potter.py", "--output", "all.json") == 1
+    assert scenarios("run", ".", "--agent", "potter.py", "--report", "all.json") == 1
     shown = capsys.readouterr().out
     assert "failed  T01-yield-seat0: fails every run, as the agent is deterministic\n" in shown
     assert re.search(r"total +4 +8 ", shown)

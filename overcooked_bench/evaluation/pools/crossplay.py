@@ -165,6 +165,7 @@ def cross_play(
     seed: int = 0,
     horizon: int = 400,
     workers: int = 1,
+    engine: str = "local",
     on_progress: Callable[[int, int], object] = lambda done, of: None,
 ) -> CrossPlay:
     """Plays every pair of agents, as the pool says: its cooking mode and its action mode, from random starts.
@@ -179,6 +180,7 @@ def cross_play(
         seed: Of start states and random streams.
         horizon: Steps of an episode.
         workers: Processes.
+        engine: "local", "dask" or "ray".
         on_progress: Called with rows done and all rows.
 
     Raises:
@@ -191,7 +193,7 @@ def cross_play(
     names, folder = tuple(agent.name for agent in chosen), str(pool.folder.absolute())
     rows = [_Row(folder, pool.hash, layout, names, i, episodes, seed, horizon) for i in range(len(names))]
     returns = np.empty((len(names), len(names), episodes))
-    for done, (first, row) in enumerate(map_tasks(_play_row, rows, min(workers, len(rows))), start=1):
+    for done, (first, row) in enumerate(map_tasks(_play_row, rows, min(workers, len(rows)), engine), start=1):
         returns[first] = row
         on_progress(done, len(rows))
     means, errors = returns.mean(axis=2), returns.std(axis=2, ddof=1) / episodes**0.5
