@@ -67,8 +67,8 @@ def _agents() -> Iterator[Line]:
 def _trained(agents: "list[Entry]") -> str:
     """Says how far agents are trained, where that is not to the end."""
     shares = {round(100 * agent.trained.done) for agent in agents}
-    if shares == {100}:
-        return ""
+    if shares in ({100}, {0}):
+        return "" if shares == {100} else ", untrained"
     span = f"{min(shares)} %" if len(shares) == 1 else f"{min(shares)} to {max(shares)} %"
     return f", after {span} of the training"
 
