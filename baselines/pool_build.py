@@ -13,7 +13,7 @@ from typing import Final
 
 import msgspec
 
-from overcooked_bench.agents.policies.policy import PolicyFiles, load_policy, policy_files
+from overcooked_bench.agents.policies.policy import PolicyFiles, policy_files
 from overcooked_bench.agents.pools.manifest import (
     FORMAT,
     MANIFEST,
@@ -24,10 +24,11 @@ from overcooked_bench.agents.pools.manifest import (
 )
 from overcooked_bench.agents.pools.records import Entry, Manifest, Training
 from overcooked_bench.errors import WrongUse
-from overcooked_bench.evaluation.pools.profile import Measured, measure
+from overcooked_bench.evaluation.pools.profile import Measured
 from overcooked_bench.files import write_whole
 
 from .learning.locks import locked
+from .learning.parts import checkpoints
 from .learning.run import CONFIG_FILE, Outcome, read_json, write_json
 from .methods import find_method
 from .pool_config import EARLY, FINAL, HALF, Kind, PoolConfig, Run
@@ -92,27 +93,18 @@ def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
 def _keep(run: Run, outcome: Outcome) -> dict[Kind, tuple[PolicyFiles, int, Measured]]:
     """Chooses the agents of a run that enter the pool, with the joint steps that each has had and what it does."""
     update = run.settings.update_steps
-    found: dict[float, Measured] = {}
-
-    def measured(share: float) -> Measured:
-        if share not in found:
-            files = outcome.files if share == 1 else outcome.snapshots[share]
-            found[share] = measure(load_policy(files.weights), horizon=run.settings.horizon)
-        return found[share]
-
-    left, shares = sorted(outcome.snapshots), {FINAL: 1.0}
+    saved, shares = checkpoints(outcome, run.settings), {FINAL: 1.0}
     if EARLY in run.group.keep:
-        shares[EARLY] = left.pop(0)
+        shares[EARLY] = min(outcome.snapshots)
     if HALF in run.group.keep:
-        wanted = measured(1).self_play.mean / 2
-        shares[HALF] = min(left, key=lambda share: abs(measured(share).self_play.mean - wanted))
+        shares[HALF] = saved.half(but=shares.values())
     chosen: dict[Kind, tuple[PolicyFiles, int, Measured]] = {}
     for kind in run.group.keep:
         share = shares[kind]
         files, done = outcome.files, outcome.steps
         if share < 1:
             files, done = outcome.snapshots[share], ceil(share * run.settings.trained_steps / update) * update
-        chosen[kind] = files, done, measured(share)
+        chosen[kind] = files, done, saved.measured(share)
     return chosen
 
 

@@ -70,11 +70,13 @@ class Group(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
     def __post_init__(self) -> None:
         snapshots = sum(kind != FINAL for kind in self.keep)
+        left = sorted(set(self.snapshots))[int(EARLY in self.keep) :]
         for key, value, right, wanted in (
             ("count", self.count, self.count >= 1, "a number from 1"),
             ("first", self.first, self.first >= 0, "a number from 0"),
             ("keep", list(self.keep), len(set(self.keep)) == len(self.keep) > 0, "final, half and early, each once"),
             ("snapshots", list(self.snapshots), len(set(self.snapshots)) >= snapshots, f"{snapshots} shares at least"),
+            ("snapshots", list(self.snapshots), HALF not in self.keep or any(left), "one above 0 for half to be"),
         ):
             if not right:
                 raise ValueError(f"group {self.prefix}: {key} is {value!r}; give {wanted}")

@@ -20,7 +20,7 @@ from .learning.algorithms import make_learner
 from .learning.command import main_of
 from .learning.learner import Learner
 from .learning.partners import load_partners, partner_names, returns_with
-from .learning.parts import begun, half_trained, loaded, self_play_agents
+from .learning.parts import begun, checkpoints, loaded, self_play_agents
 from .learning.run import Outcome, UnfitError, make_env, run
 from .learning.settings import PartnerSettings, check_draws
 from .self_play import Config as SelfPlay
@@ -86,7 +86,7 @@ def population(config: Config, output: Path, seed: int, every: int) -> tuple[lis
     files = [outcome.files for outcome in outcomes]
     if config.checkpoints:
         files += [outcome.snapshots[0.0] for outcome in outcomes]
-        files += [half_trained(outcome, own)[1] for outcome in outcomes]
+        files += [outcome.snapshots[checkpoints(outcome, own).half()] for outcome in outcomes]
     return loaded(files), tuple(outcomes)
 
 

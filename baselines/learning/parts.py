@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from overcooked_bench.agents.policies.policy import Policy, PolicyFiles, load_policy
+from overcooked_bench.evaluation.pools.half import Checkpoints
 
 from ..self_play import Config as SelfPlay
 from ..self_play import train as train_self_play
-from .freeze import returns_with_itself
 from .run import CONFIG_FILE, Outcome
 from .seeds import part_of
 from .settings import Settings
@@ -40,22 +40,10 @@ def self_play_agents(configs: Sequence[SelfPlay], folder: Path, seed: int, every
     return outcomes
 
 
-def half_trained(outcome: Outcome, settings: Settings, episodes: int = 20) -> tuple[float, PolicyFiles]:
-    """Picks the snapshot whose return with itself is nearest to half of the final policy's, the untrained one aside.
-
-    Source: Strouse et al. 2021, fictitious co-play.
-
-    Returns:
-        The share of the steps at which it was saved, and its files.
-    """
-    half = float(outcome.returns.mean()) / 2
-    means = {
-        share: float(returns_with_itself(files, settings, episodes).mean())
-        for share, files in sorted(outcome.snapshots.items())
-        if share > 0
-    }
-    share = min(means, key=lambda share: abs(means[share] - half))
-    return share, outcome.snapshots[share]
+def checkpoints(outcome: Outcome, settings: Settings) -> Checkpoints:
+    """Returns the policies that a run saved on the way, and its final one, ready to be measured."""
+    saved = {share: files.weights for share, files in outcome.snapshots.items()}
+    return Checkpoints({**saved, 1.0: outcome.files.weights}, settings.horizon)
 
 
 def loaded(files: Sequence[PolicyFiles]) -> list[Policy]:

@@ -12,14 +12,16 @@ from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.pools.records import ScriptedReference
 from overcooked_bench.baselines import pool_build, pool_queue
 from overcooked_bench.baselines.learning import monitor
+from overcooked_bench.baselines.learning.parts import checkpoints
 from overcooked_bench.baselines.pool_build import PoolBuildError, missing, publish, train_run
 from overcooked_bench.baselines.pool_config import PoolConfigError
 from overcooked_bench.baselines.pool_queue import main
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
+from overcooked_bench.evaluation.pools import half
 from overcooked_bench.processes import start_process
 from tests.baselines.learning.test_checkpoint import press_ctrl_c
 from tests.baselines.pools import OVERRIDES, THREE_AGENTS, group, pool_config, write_config
-from tests.baselines.tiny import UPDATE
+from tests.baselines.tiny import UPDATE, tiny
 
 LAYOUT = "cramped_room"
 
@@ -95,9 +97,9 @@ def test_a_finished_run_is_not_trained_again(built, monkeypatch):
 def test_half_is_what_reaches_half_of_the_end(built, monkeypatch):
     """The choice alone: the returns are made up, as are the policies' files."""
     reached = {"final": 200, "at-0.2": 40, "at-0.4": 90, "at-0.6": 120, "at-0.8": 190}
-    monkeypatch.setattr(pool_build, "load_policy", lambda file: file)
+    monkeypatch.setattr(half, "load_policy", lambda file: file)
     found = lambda file, horizon: types.SimpleNamespace(self_play=types.SimpleNamespace(mean=reached[file]))  # noqa: E731
-    monkeypatch.setattr(pool_build, "measure", found)
+    monkeypatch.setattr(half, "measure", found)
     files = {name: types.SimpleNamespace(weights=name) for name in reached}
     snapshots = {float(name[3:]): file for name, file in files.items() if name != "final"}
     outcome = types.SimpleNamespace(files=files["final"], steps=5 * UPDATE, snapshots=snapshots)
@@ -111,6 +113,7 @@ def test_half_is_what_reaches_half_of_the_end(built, monkeypatch):
     assert kept(["half"]) == {"half": "at-0.4"}
     reached["at-0.4"] = 20
     assert kept(["half"]) == {"half": "at-0.6"}
+    assert checkpoints(outcome, tiny()).half() == 0.6, "fictitious co-play chooses the same one"
     reached["final"] = 0  # nothing learned: the least that there is beside `early`
     assert kept(["half", "early"]) == {"half": "at-0.4", "early": "at-0.2"}
 
