@@ -1,4 +1,4 @@
-"""Rewards for what a chef does besides the soups: a weight for each of the kitchen's events.
+"""Rewards for events besides delivered soups: a weight for each of the kitchen's events.
 
 Self-play under random weights makes partners with habits of their own (Yu et al. 2023, "Learning Zero-Shot Cooperation
 with Humans, Assuming Humans Are Biased").
@@ -15,7 +15,7 @@ from overcooked_bench.shelf import guess
 
 
 def event_weights(event_rewards: Mapping[str, float]) -> NDArray[np.float64]:
-    """Gives the weight of every event.
+    """Returns the weight of every event.
 
     Args:
         event_rewards: Names of `EVENTS` to reward points; events that are not named have the weight 0.
@@ -24,7 +24,7 @@ def event_weights(event_rewards: Mapping[str, float]) -> NDArray[np.float64]:
         (25,) float64 in the order of `EVENTS`.
 
     Raises:
-        ValueError: An unknown event (says the nearest), or a weight that is no finite number.
+        ValueError: An unknown event (suggests the nearest), or a weight that is not a finite number.
     """
     weights = np.zeros(len(EVENTS))
     for name, weight in event_rewards.items():

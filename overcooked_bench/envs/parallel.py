@@ -78,11 +78,11 @@ class ParallelKitchen(ParallelEnv if ParallelEnv else object):  # type: ignore[m
         self._joint = np.zeros((1, 2), np.int64)
 
     def observation_space(self, agent: str) -> Box:
-        """Gives an agent's observation space, the same object at each call."""
+        """Returns an agent's observation space, the same object at each call."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> "Discrete[Any]":
-        """Gives an agent's action space, the same object at each call."""
+        """Returns an agent's action space, the same object at each call."""
         return self.action_spaces[agent]
 
     def reset(
@@ -91,7 +91,7 @@ class ParallelKitchen(ParallelEnv if ParallelEnv else object):  # type: ignore[m
         """Starts an episode.
 
         Args:
-            seed: Starts the random start states anew.
+            seed: Seeds the random start states.
             options: Not used.
 
         Returns:
@@ -115,7 +115,7 @@ class ParallelKitchen(ParallelEnv if ParallelEnv else object):  # type: ignore[m
 
         Raises:
             ValueError: The episode is over, an agent's action is missing or out of range.
-            TypeError: An action is no whole number.
+            TypeError: An action is not a whole number.
         """
         if not self.agents:
             raise ValueError("no episode is being played; call reset() before step()")

@@ -1,4 +1,4 @@
-"""Several partners, each serving its own share of the kitchens of one batch.
+"""Several partners, each of which plays its own share of the kitchens of one batch.
 
 Axes: N kitchens.
 """
@@ -19,19 +19,19 @@ from overcooked_bench.kitchen.layout import Layout
 
 
 class Partners:
-    """A list of partners spread evenly over N kitchens, in neighbouring groups.
+    """A list of partners spread evenly over N kitchens, in groups of adjacent kitchens.
 
-    Neural agents of one observation and mode act together, in one stacked forward for each architecture; every row
-    plays as its own agent would, up to rounding. What partners see is observed once for all that see the same.
+    Neural agents of one observation and mode act together, in one stacked forward pass for each architecture; every row
+    plays as its own agent would, up to rounding. Each observation is made once for all partners that use it.
 
     Args:
         partners: References as `find` takes them, or agents.
-        layout: Where they play.
+        layout: The layout they play.
         num_kitchens: N, at least as many as partners.
 
     Attributes:
         given: The list as it was given.
-        observations: What the partners are shown.
+        observations: The partners' observations.
 
     Raises:
         ValueError: No partner, or more partners than kitchens.
@@ -44,7 +44,7 @@ class Partners:
             raise ValueError(f"{len(partners)} partners for {num_kitchens} kitchens; each needs at least one kitchen")
         objects = [partner for partner in partners if not isinstance(partner, str | Path | Mapping)]
         if len({id(partner) for partner in objects}) != len(objects):
-            raise ValueError("one agent object stands in the list twice; give each group of kitchens its own")
+            raise ValueError("one agent object is in the list twice; give each group of kitchens its own")
         self.given = tuple(partners)
         shares = np.array_split(np.arange(num_kitchens), len(partners))
         together: dict[Hashable, list[int]] = {}  # of neural agents, those that can act together
@@ -63,7 +63,7 @@ class Partners:
         self.observations = tuple(partner.observation for partner in self._seated)
 
     def fit(self, kitchens: Kitchens) -> None:
-        """Checks that these kitchens can show what the partners want to see.
+        """Checks that these kitchens have the observations that the partners need.
 
         Raises:
             SeatedFault: They cannot; says why.
@@ -72,7 +72,7 @@ class Partners:
             partner.fit(kitchens)
 
     def reset(self, kitchens: Kitchens, seats: NDArray[np.int64], seeds: NDArray[np.uint64]) -> None:
-        """Starts new episodes in all kitchens; `seats` (N,) are the partners' own, `seeds` (N,) uint64."""
+        """Starts new episodes in all kitchens; `seats` (N,) are the partners' seats, `seeds` (N,) uint64."""
         self._seats = seats
         for partner in self._seated:
             partner.reset(kitchens.layout.name, seeds[partner.where], seats[partner.where])

@@ -1,6 +1,6 @@
 """Gymnasium ids, one for each shipped layout and one for a custom grid.
 
-The dynamics of a `-v0` id never change; whatever would change them gets `-v1`.
+The dynamics of a `-v0` id never change; a change of dynamics gets `-v1`.
 """
 
 from overcooked_bench.kitchen.layout import layout_names
@@ -11,12 +11,12 @@ _VECTOR = "overcooked_bench.envs.vector:OvercookedVectorEnv"
 
 
 def env_id(layout: str) -> str:
-    """Gives the id of a shipped layout: "cramped_room" is played as "Overcooked/CrampedRoom-v0"."""
+    """Returns the id of a shipped layout: "cramped_room" is played as "Overcooked/CrampedRoom-v0"."""
     return f"Overcooked/{''.join(word.capitalize() for word in layout.split('_'))}-v0"
 
 
 def register_environments() -> None:
-    """Registers all ids with Gymnasium; those that are there already are left alone.
+    """Registers all ids with Gymnasium, except those that are registered already.
 
     No `max_episode_steps` is registered: the horizon is the kitchen's own.
     """

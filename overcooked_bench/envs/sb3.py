@@ -37,8 +37,8 @@ class OvercookedVecEnv(VecEnv):
     Args:
         layout: A shipped name, a grid's text, the path of a `.layout` file, or a Layout.
         num_envs: N.
-        partners: What `load_agent` takes, or agents; spread evenly over the kitchens in neighbouring groups.
-        self_play: Both seats are rows; `partners` and `seat` have no part then.
+        partners: What `load_agent` takes, or agents; spread evenly over groups of adjacent kitchens.
+        self_play: Both seats are rows; `partners` and `seat` are not used then.
         seat: 0, 1, or "random", drawn for each kitchen and episode.
         observation: A name of `Kitchens.observe`.
         cooking: "auto" or "manual".
@@ -116,11 +116,11 @@ class OvercookedVecEnv(VecEnv):
 
     @property
     def partners(self) -> tuple[Reference | Agent, ...]:
-        """Who plays the running episode, as given; nobody in self-play."""
+        """The partners of the running episode, as given; none in self-play."""
         return self._partners.given if self._partners else ()
 
     def set_partners(self, partners: Sequence[Reference | Agent]) -> None:
-        """Changes the partners from the next episode on; the running one is played to its end with the old ones.
+        """Changes the partners from the next episode on; the running episode ends with the old ones.
 
         Raises:
             ValueError: In self-play, or what the constructor refuses.
@@ -134,7 +134,7 @@ class OvercookedVecEnv(VecEnv):
     def reset(self) -> VecEnvObs:
         """Starts new episodes everywhere: (R, ...) observations.
 
-        A seed set by `seed` takes effect here, and all rows share it; otherwise the random streams go on.
+        A seed set by `seed` takes effect here, and all rows share it; otherwise the random streams continue.
         """
         if self._seeds[0] is None:
             self.kitchens.reset()
@@ -187,9 +187,9 @@ class OvercookedVecEnv(VecEnv):
         return self._views(), rewards.astype(np.float32), dones, infos
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
-        """Gives all that the future depends on, as arrays.
+        """Returns the complete state, as arrays.
 
-        Against partners that is the running episode from its start, since what they remember is their own.
+        Against partners that includes the running episode from its start, since partners keep their own memory.
         """
         arrays = {
             **{f"kitchens.{name}": array for name, array in self.kitchens.snapshot().items()},
@@ -203,11 +203,11 @@ class OvercookedVecEnv(VecEnv):
         return arrays
 
     def restore(self, arrays: dict[str, NDArray[Any]]) -> None:
-        """Goes back to a `snapshot`; a seed that waits for the next reset is forgotten.
+        """Restores a `snapshot`; a seed that waits for the next reset is dropped.
 
-        Against partners, first set those who played then (the constructor's, or `set_partners`, which takes effect at
-        once here): they are reset as at the start of the saved episode and play it again. Their play must depend on
-        what `reset` told them and on what they see alone.
+        Against partners, first set those that played then (the constructor's, or `set_partners`, which takes effect
+        immediately here): they are reset as at the start of the saved episode and replay it. Their actions must depend
+        only on what `reset` passes and on what they observe.
 
         Raises:
             ValueError: The snapshot is of another environment, other partners play, or a kitchen was set to a state
@@ -277,7 +277,7 @@ class OvercookedVecEnv(VecEnv):
         """Does nothing: there is nothing to release."""
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """Gives an attribute once for each of the asked rows; all rows share this environment."""
+        """Returns an attribute once for each requested row; all rows share this environment."""
         return [getattr(self, attr_name) for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
@@ -292,7 +292,7 @@ class OvercookedVecEnv(VecEnv):
     def env_method(
         self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **method_kwargs: Any
     ) -> list[Any]:
-        """Calls a method of this environment once, and gives its result for each row.
+        """Calls a method of this environment once, and returns its result for each row.
 
         Raises:
             ValueError: Only some rows were named.
@@ -304,7 +304,7 @@ class OvercookedVecEnv(VecEnv):
     def env_is_wrapped(
         self, wrapper_class: type[gym.Wrapper[Any, Any, Any, Any]], indices: VecEnvIndices = None
     ) -> list[bool]:
-        """Tells that no row is wrapped, except in a Monitor: what that reports is in the infos already."""
+        """Returns whether rows are wrapped: only in a Monitor, as the infos contain its values already."""
         return [wrapper_class is Monitor for _ in self._get_indices(indices)]
 
     def _need_all(self, indices: VecEnvIndices) -> None:

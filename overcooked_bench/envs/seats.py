@@ -1,4 +1,4 @@
-"""The two seats of an environment: which one is the ego agent's, and who sits on the other.
+"""The two seats of an environment: the ego agent's, and the partner's.
 
 Axes: N kitchens.
 """
@@ -17,7 +17,7 @@ from overcooked_bench.kitchen.layout import Layout
 RANDOM_SEAT: Final = "random"
 STAY_ACTION: Final = STAY
 LARGEST_DRAW: Final = 2**63
-"""One draw an episode serves both the ego agent's seat, the lowest bit, and the partner's seed, the others."""
+"""One draw per episode gives both the ego agent's seat, the lowest bit, and the partner's seed, the others."""
 
 
 def seat_partner(partner: Reference | Agent, layout: Layout, num_kitchens: int) -> Seated | None:
@@ -28,10 +28,10 @@ def seat_partner(partner: Reference | Agent, layout: Layout, num_kitchens: int) 
 
 
 def checked_seat(seat: str | int) -> str | int:
-    """Gives the seat back.
+    """Checks and returns a seat.
 
     Raises:
-        ValueError: It is none.
+        ValueError: There is no such seat.
     """
     if seat not in (RANDOM_SEAT, 0, 1):
         raise ValueError(f"seat={seat!r}; give 0, 1, or {RANDOM_SEAT!r} for a seat drawn for each episode")
@@ -56,10 +56,10 @@ def find_partner(partner: Reference | Agent, layout: Layout) -> tuple[Agent, str
     """Finds a partner: what `find` takes, or an Agent.
 
     Returns:
-        The agent, and what to call it.
+        The agent, and its name.
 
     Raises:
-        TypeError: It is no agent.
+        TypeError: It is not an agent.
     """
     if isinstance(partner, str | Path | Mapping):
         from overcooked_bench.agents.catalogue import load_agent

@@ -73,7 +73,7 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
     | 18, 19 | number of onions, of tomatoes in a soup that cooks, is ready or is carried |
     | 20 | steps until the soup is ready |
     | 21 | a soup is ready, in a pot, on a counter or in hands |
-    | 22, 23, 24 | a dish, an onion, a tomato lies on a counter or is held |
+    | 22, 23, 24 | a dish, an onion, a tomato is on a counter or in hands |
     | 25 | everywhere, while fewer than 40 steps are left |
 
     ## Starting State
@@ -82,7 +82,7 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
     cells. Both chefs look north. `seat="random"` draws the ego agent's seat for each episode.
 
     ## Rewards
-    The team's reward of the step, 20 for a delivered soup whoever delivered it, plus `shaping` times the ego agent's
+    The team's reward of the step, 20 for a soup that either chef delivers, plus `shaping` times the ego agent's
     own partial reward: 3 for putting an ingredient into a pot, 3 for taking a useful dish, 5 for plating a soup.
 
     ## Episode End
@@ -167,11 +167,11 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
         """Starts an episode.
 
         Args:
-            seed: Starts all randomness anew: start states, seats, the partner.
+            seed: Seeds all randomness: start states, seats, the partner.
             options: Not used.
 
         Returns:
-            The first observation, and the information told in the class's docstring, with rewards of zero.
+            The first observation, and the information described in the class's docstring, with rewards of zero.
         """
         super().reset(seed=seed)
         if seed is not None or self._seat < 0:

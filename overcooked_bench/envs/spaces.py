@@ -1,4 +1,4 @@
-"""What an agent may do and what it sees, as Gymnasium spaces."""
+"""Action and observation spaces of Gymnasium."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from overcooked_bench.kitchen.observations.registry import find_observation
 
 
 def action_space() -> "Discrete[Any]":
-    """Gives the six actions: 0 north, 1 south, 2 east, 3 west, 4 stay, 5 interact."""
+    """Returns the six actions: 0 north, 1 south, 2 east, 3 west, 4 stay, 5 interact."""
     return Discrete(NUM_ACTIONS)
 
 
@@ -18,7 +18,7 @@ def observation_space(kitchens: Kitchens, observation: str) -> Box:
     """Returns the space of one chef's observation.
 
     Args:
-        kitchens: Kitchens of the layout, with history where the observation is a stack.
+        kitchens: Kitchens of the layout, with history if the observation is a stack.
         observation: A name of `observations.registry.OBSERVATIONS`.
 
     Returns:

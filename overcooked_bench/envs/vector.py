@@ -39,7 +39,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
     (`AutoresetMode.SAME_STEP`): `infos["final_obs"]` and `infos["final_info"]` then hold its last observation and
     information, and its row of everything else already belongs to the next episode.
 
-    `reset(options={"reset_mask": mask})` starts some kitchens anew, with the partner "stay" only: other partners are
+    `reset(options={"reset_mask": mask})` restarts some kitchens, with the partner "stay" only: other partners are
     asked once for all kitchens, whose episodes therefore start together.
 
     Args:
@@ -121,7 +121,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
         self._set_views()
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Makes a copy whole: what was a view of an array is one of the copied array again."""
+        """Completes a copy: what was a view of an array becomes a view of the copied array."""
         self.__dict__.update(state)
         self._set_views()
 
@@ -148,7 +148,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
         """Starts new episodes.
 
         Args:
-            seed: Kitchen i starts all its randomness anew from seed + i, or from the i-th seed of a list.
+            seed: Seeds all randomness of kitchen i with seed + i, or with the i-th seed of a list.
             options: {"reset_mask": (N,) bool} to reset some kitchens only, without a seed.
 
         Returns:
@@ -233,7 +233,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
     def _finish(
         self, over: NDArray[np.bool_], soup: NDArray[np.float64], partial: NDArray[np.float64]
     ) -> dict[str, Any]:
-        """Resets the kitchens that are over, and gives their last observations and information."""
+        """Resets the kitchens that are over, and returns their last observations and information."""
         if self._partner and not over.all():
             raise RuntimeError(
                 f"{np.count_nonzero(over)} of {self.num_envs} kitchens are over and the others are not, yet this "

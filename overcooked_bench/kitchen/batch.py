@@ -1,4 +1,4 @@
-"""N kitchens as arrays: `Batch`, what they are now, and `Past`, what they were in the last few steps."""
+"""N kitchens as arrays: `Batch`, their current state, and `Past`, their states in the last few steps."""
 
 from typing import Final
 
@@ -15,8 +15,8 @@ CELLS: Final = 6  # + cell: code of the cell, tile and content together (codes.p
 class Batch:
     """N kitchens of one layout; C cells, P pots.
 
-    All that a step changes lies in one row of small numbers a kitchen, since every further array costs a call of a
-    compiled kernel more than the work in it; the properties are views into the rows.
+    Everything that a step changes is in one row of small numbers per kitchen, since passing a further array to a
+    compiled kernel costs more than the work in it; the properties are views into the rows.
 
     Attributes:
         rows: (N, 6 + C + P) uint16  chefs, cells and pots
@@ -73,16 +73,16 @@ class Past:
         self._next = 0
 
     def remember(self, batch: Batch) -> None:
-        """Keeps the present; it becomes the newest past with `advance`."""
+        """Records the current state; `advance` makes it the newest past state."""
         rows, image = self._ring[self._next]
         rows[...], image[...] = batch.rows, batch.image
 
     def advance(self) -> None:
-        """Makes what was remembered last the newest past state."""
+        """Makes the state that was recorded last the newest past state."""
         self._next = (self._next + 1) % len(self._ring)
 
     def restart(self, batch: Batch, mask: NDArray[np.bool_]) -> None:
-        """Makes the present the whole past of the kitchens of a mask, (N,) bool."""
+        """Replaces all past states by the current one, in the kitchens of a mask, (N,) bool."""
         for rows, image in self._ring:
             rows[mask], image[mask] = batch.rows[mask], batch.image[mask]
 

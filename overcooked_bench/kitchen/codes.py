@@ -1,6 +1,6 @@
-"""The small integers that stand for items, cells, actions and directions inside a batch of kitchens.
+"""Integer codes of items, cells, actions and directions inside a batch of kitchens.
 
-Everything that lies, stands or is carried in a kitchen has one code, so that the rules of the game can be a table.
+Every object and every content of a cell has one code, so that the rules of the game can be a table.
 
 Source: actions, directions and recipes follow overcooked_ai (`mdp/actions.py`, `mdp/overcooked_mdp.py`).
 """
@@ -37,7 +37,7 @@ MAX_INGREDIENTS: Final = 3
 
 # What a chef holds or a counter carries: nothing, an ingredient, a dish, or a finished soup SOUP + recipe index.
 NOTHING, ONION, TOMATO, DISH = range(4)
-SOUP: Final = DISH  # + recipe index, from 1: whatever is greater than SOUP is a soup
+SOUP: Final = DISH  # + recipe index, from 1: every code greater than SOUP is a soup
 NUM_ITEMS: Final = SOUP + NUM_RECIPES
 
 # A cell's tile together with what is on it.
@@ -71,7 +71,7 @@ TILE_NAMES: Final = {
 }
 
 
-# What a chef did in one step, as bits above which the item it was about is written.
+# The action that a chef took in one step, as bits; the item concerned is written above them.
 POTTED: Final = 1  # put an ingredient into a pot
 PLATED: Final = 2  # took a soup out of a pot
 SERVED: Final = 4  # delivered a soup
@@ -85,17 +85,17 @@ DONE_BITS: Final = 9
 
 
 def item_of(taken: NDArray[np.uint16]) -> NDArray[np.uint16]:
-    """Returns the code of the item that each thing done was about: what was taken, or else what was given away."""
+    """Returns the code of the item of each action taken: the one that was taken, or else the one that was put away."""
     return taken >> np.uint16(DONE_BITS)
 
 
 def is_pot(code: int) -> bool:
-    """Tells whether a cell code is a pot in any condition."""
+    """Returns whether a cell code is a pot in any condition."""
     return code >= POT_IDLE
 
 
 def pot_recipe(code: int) -> int:
-    """Gives the recipe index of a pot's content, 0 for an empty pot."""
+    """Returns the recipe index of a pot's content, 0 for an empty pot."""
     if code > POT_READY:
         return code - POT_READY
     if code > POT_COOKING:

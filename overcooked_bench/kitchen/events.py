@@ -39,7 +39,7 @@ _OPTIMAL, _VIABLE, _CATASTROPHIC, _USELESS = 17, 19, 21, 23  # onion; + 1 tomato
 
 
 def best_reachable(soup_rewards: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Gives v(r): the best payment reachable from each content of a pot by adding ingredients.
+    """Returns v(r), the best payment reachable from each content of a pot by adding ingredients.
 
     Args:
         soup_rewards: (10,) float64, points by recipe index.
@@ -68,7 +68,7 @@ def record_interaction(  # noqa: C901 (a list of cases; splitting it would hide 
     useful_dish: bool,
     potential: NDArray[np.float64],
 ) -> None:
-    """Notes what one interaction was, as the reference kitchen would log it.
+    """Records one interaction's events, as the reference kitchen logs them.
 
     Args:
         flags: (25,) bool, written.
@@ -78,7 +78,7 @@ def record_interaction(  # noqa: C901 (a list of cases; splitting it would hide 
         held_after: Code of the item in the hands after.
         all_full: Whether every pot was cooking, ready or idle with three ingredients when the step began.
         none_full: Whether no pot was.
-        other_held: What the other chef holds just now.
+        other_held: The item in the other chef's hands at this point of the step.
         useful_dish: Whether a dish taken now counts as useful.
         potential: float64 by recipe index, `best_reachable`.
     """

@@ -1,7 +1,7 @@
-"""A kitchen's image: the 26-channel lossless encoding that each step keeps up to date, cell by cell.
+"""A kitchen's image: the 26-channel lossless encoding that each step updates, cell by cell.
 
-Channel order is the reference's; arrays here are channels-first, [channel, y, x]. What a chef sees is made of it in
-`observations/`.
+Channel order is the reference's; arrays here are channels-first, [channel, y, x]. `observations/` makes the chefs'
+observations from it.
 
 Source: overcooked_ai (`OvercookedGridworld.lossless_state_encoding`).
 """
@@ -29,7 +29,7 @@ CHANNELS: Final = (
 
 NUM_CHANNELS: Final = len(CHANNELS)
 CHEF_CHANNELS: Final = 10
-"""The first channels, which show the two chefs; empty in the image, since they depend on who looks."""
+"""The first channels, which show the two chefs; empty in the image, since they depend on the observing chef."""
 
 FIRST_TILE: Final = CHANNELS.index("pots")
 FIRST_OBJECT: Final = CHANNELS.index("onions_in_pot")
@@ -51,7 +51,7 @@ def background(layout: Layout) -> NDArray[np.uint8]:
 
 
 def paint_table() -> NDArray[np.uint8]:
-    """Gives channels 16 to 24 of a cell by its code, (64, 9) uint8, without a cooking pot's remaining time."""
+    """Returns channels 16 to 24 of a cell by its code, (64, 9) uint8, without a cooking pot's remaining time."""
     table = np.zeros((64, NUM_OBJECT_CHANNELS), np.uint8)
     column = {name: k for k, name in enumerate(CHANNELS[FIRST_OBJECT:URGENCY])}
     table[COUNTER + codes.ONION, column["onions"]] = 1
@@ -69,7 +69,7 @@ def paint_table() -> NDArray[np.uint8]:
 def paint_cell(
     picture: NDArray[np.uint8], num_cells: int, cell: int, code: int, remaining: int, by_code: NDArray[np.uint8]
 ) -> None:
-    """Draws what lies in one cell into a kitchen's image, (26 * C,) uint8; `by_code` as in `Tables`."""
+    """Draws the content of one cell into a kitchen's image, (26 * C,) uint8; `by_code` as in `Tables`."""
     at, plane = np.uint64(FIRST_OBJECT * num_cells + cell), np.uint64(num_cells)  # unsigned: no index counts backwards
     for k in range(NUM_OBJECT_CHANNELS):
         picture[at] = by_code[code, k]
@@ -79,7 +79,7 @@ def paint_cell(
 
 @jit
 def paint_hand(picture: NDArray[np.uint8], num_cells: int, cell: int, item: int, by_code: NDArray[np.uint8]) -> None:
-    """Draws what a chef on a floor cell holds, NOTHING included; as `paint_cell` without the channels of pots."""
+    """Draws the item that a chef on a floor cell holds, or NOTHING; like `paint_cell` without the channels of pots."""
     at, plane = np.uint64(FIRST_CARRIED * num_cells + cell), np.uint64(num_cells)
     for k in range(FIRST_CARRIED - FIRST_OBJECT, NUM_OBJECT_CHANNELS):
         picture[at] = by_code[COUNTER + item, k]
@@ -102,7 +102,7 @@ def paint_kitchen(
     by_code: NDArray[np.uint8],
     pots: NDArray[np.uint16],
 ) -> None:
-    """Draws a whole kitchen's image, (26 * C,) uint8, anew; `row` as in `Batch`, tables as in `Tables`."""
+    """Redraws a whole kitchen's image, (26 * C,) uint8; `row` as in `Batch`, tables as in `Tables`."""
     num_cells = background.shape[0] // NUM_CHANNELS
     for k in range(background.shape[0]):
         picture[k] = background[k]

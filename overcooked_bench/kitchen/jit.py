@@ -1,4 +1,4 @@
-"""Numba with a cache that can be trusted: keyed by the sources, and doing without where nothing may be written."""
+"""Compiles kernels with numba and a reliable cache: keyed by the sources, and optional if nothing can be written."""
 
 import hashlib
 import os
@@ -17,11 +17,11 @@ DISABLED: bool = bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
 
 
 def jit(function: Function) -> Function:
-    """Compiles a kernel on first use, releasing the GIL, with the compiled code kept on disk where that is possible.
+    """Compiles a kernel on first use, releasing the GIL, and caches the compiled code on disk if possible.
 
-    Numba's own cache looks at the file of the outermost function only, and would keep old code when an inlined kernel
-    of another file changes; this one lies in a folder named after the content of the kitchen's sources, sub-folders
-    included, and of the files beside the kernel's own.
+    Numba's own cache checks the file of the outermost function only, and would keep old code when an inlined kernel
+    of another file changes. This one is in a folder named after the content of the kitchen's sources, sub-folders
+    included, and of the files in the kernel's folder.
     """
     folder = _cache_folder(Path(function.__code__.co_filename).parent)
     options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}

@@ -1,4 +1,4 @@
-"""The rules of the game, written once: what an interaction does, who moves, how pots cook, what is paid.
+"""The rules of the game: what an interaction does, how chefs move, how pots cook, and which rewards are paid.
 
 `interact` is plain Python, run once to fill a table; `step_kitchens` is the compiled step that reads it.
 
@@ -65,14 +65,14 @@ _ITEM_MASK, _CELL_MASK = (1 << ITEM_BITS) - 1, (1 << CELL_BITS) - 1
 # Columns of `Tables.ways`: the cell ahead by facing, the wanted cell by action.
 AHEAD: Final = 0
 WANTED: Final = 4
-# Columns of `Tables.by_code`: channels 16 to 24 of the image, then what a pot does by itself.
+# Columns of `Tables.by_code`: channels 16 to 24 of the image, then whether a pot starts by itself and its cook time.
 PAINT: Final = 0
 STARTS_ITSELF: Final = 9
 COOK_TIME: Final = 10
 
 
 def interact(cell: int, held: int, cooking: str) -> tuple[int, int, int]:
-    """Says what an interaction with a faced cell does; whatever is not listed does nothing.
+    """Returns the outcome of an interaction with a faced cell; combinations that are not listed do nothing.
 
     Args:
         cell: Code of the faced cell, tile and content together.
@@ -80,7 +80,7 @@ def interact(cell: int, held: int, cooking: str) -> tuple[int, int, int]:
         cooking: "auto" or "manual".
 
     Returns:
-        The faced cell's new code, the new item in the hands, and what was done as bits (`POTTED` and so on).
+        The faced cell's new code, the new item in the hands, and the action taken as bits (`POTTED` and so on).
 
     Source: overcooked_ai (`OvercookedGridworld.resolve_interacts`).
     """
@@ -109,7 +109,7 @@ def interact(cell: int, held: int, cooking: str) -> tuple[int, int, int]:
 
 @jit
 def count_pots(row: NDArray[np.uint16], pots: NDArray[np.uint16], changed: int, code_before: int) -> tuple[int, int]:
-    """Counts the pots as they were when the step began.
+    """Counts pots as they were at the start of the step.
 
     Args:
         row: The kitchen as it is now.
@@ -136,7 +136,7 @@ def count_pots(row: NDArray[np.uint16], pots: NDArray[np.uint16], changed: int, 
 
 @jit
 def dish_is_useful(row: NDArray[np.uint16], num_cells: int, wanting: int) -> bool:
-    """Tells whether taking a dish is rewarded: none on a counter, fewer in hands than pots that want one.
+    """Returns whether taking a dish is rewarded: none on a counter, fewer in hands than pots that want one.
 
     Source: overcooked_ai (`is_dish_pickup_useful`); counters and hands are read live, pots at the start of the step.
     """
@@ -165,7 +165,7 @@ def _step(  # noqa: C901 (the whole step in one place, and one compiled function
     events: NDArray[np.bool_] | None,
     taken: NDArray[np.uint16] | None,
 ) -> tuple[int, int]:
-    """Does what `step_and_note` says; what is None is not written, and compiles to nothing."""
+    """Implements `step_and_note`; arrays that are None are not written, and compile to nothing."""
     for i in range(rows.shape[0]):
         a, b = actions[i, 0], actions[i, 1]
         if clock[i] >= horizon or a < 0 or a > INTERACT or b < 0 or b > INTERACT:
@@ -246,7 +246,7 @@ def _step(  # noqa: C901 (the whole step in one place, and one compiled function
 def note_blocked(
     row: NDArray[np.uint16], ways: NDArray[np.uint16], action_0: int, action_1: int, taken: NDArray[np.uint16]
 ) -> None:
-    """Notes which chefs are about to be kept from walking by the other one, in `taken`, (2,) uint16."""
+    """Records in `taken`, (2,) uint16, which chefs the other one is about to keep from walking."""
     old_0, old_1 = row[POSITION], row[POSITION + 1]
     new_0, new_1 = ways[old_0, WANTED + action_0], ways[old_1, WANTED + action_1]
     if new_0 == new_1 or (new_0 == old_1 and new_1 == old_0):
@@ -266,10 +266,10 @@ def _move(
     action_0: int,
     action_1: int,
 ) -> None:
-    """Moves both chefs at once; a collision or a swap keeps both where they are, but everybody turns."""
+    """Moves both chefs at once; after a collision or a swap both stay where they are, but they still turn."""
     old_0, old_1 = row[POSITION], row[POSITION + 1]
     new_0, new_1 = ways[old_0, WANTED + action_0], ways[old_1, WANTED + action_1]
-    # Choices between two values, not branches: what chefs do cannot be guessed.
+    # Choices between two values, not branches: the processor cannot predict what chefs do.
     blocked = (new_0 == new_1) | ((new_0 == old_1) & (new_1 == old_0))
     row[POSITION] = old_0 if blocked else new_0
     row[POSITION + 1] = old_1 if blocked else new_1
@@ -313,8 +313,8 @@ def step_kitchens(
         truncated: (N,) bool, written.
 
     Returns:
-        The first kitchen that cannot be stepped, or -1, and how many kitchens are over now. Where one cannot be
-        stepped (a wrong action, or it is over), nothing was done.
+        The first kitchen that cannot be stepped, or -1, and how many kitchens are over now. If one cannot be
+        stepped (a wrong action, or it is over), nothing was changed.
     """
     return _step(
         *(rows, clock, image, ways, outcomes, by_code, payments, pots),
@@ -339,7 +339,7 @@ def step_and_note(
     events: NDArray[np.bool_] | None,
     taken: NDArray[np.uint16] | None,
 ) -> tuple[int, int]:
-    """Plays as `step_kitchens`, whose arguments come first, and notes what the chefs did.
+    """Steps like `step_kitchens`, whose arguments come first, and records events and actions taken.
 
     Args:
         rows: See `step_kitchens`, like the eleven that follow.
@@ -354,8 +354,8 @@ def step_and_note(
         actions: See there.
         rewards: See there.
         truncated: See there.
-        events: (N, 2, 25) bool of zeros, written in the order of `EVENTS`; None where they are not wanted.
-        taken: (N, 2) uint16, written: what each chef did, see `StepResult.actions_taken`; None where not wanted.
+        events: (N, 2, 25) bool of zeros, written in the order of `EVENTS`; None if they are not wanted.
+        taken: (N, 2) uint16, written, see `StepResult.actions_taken`; None if not wanted.
 
     Returns:
         See `step_kitchens`.

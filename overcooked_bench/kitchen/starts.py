@@ -1,7 +1,7 @@
-"""Start states: standard or random, with counter-based random streams so that a kitchen's fate is its own.
+"""Start states: standard or random, with one counter-based random stream per kitchen.
 
 Source: the thesis, 4.3.4 and 6.2.1 (random starts, one chef in each region); overcooked_ai
-(`get_random_start_state_fn`) for the share of pots and hands that are filled. Kitchen-spec section 6.
+(`get_random_start_state_fn`) for the share of pots and hands that are filled.
 """
 
 from typing import Any, Final
@@ -21,11 +21,11 @@ _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _MIX_1, _MIX_2 = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 _30, _27, _31, _32 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(32)
 _RECIPES = np.array(RECIPES, np.int64)
-_PERCENT_DISH, _PERCENT_INGREDIENT = 20, 60  # what a filled hand holds; soups for the rest
+_PERCENT_DISH, _PERCENT_INGREDIENT = 20, 60  # content of a filled hand; soups for the rest
 
 
 def stream_keys(seed: int | NDArray[np.uint64] | None, num_kitchens: int) -> NDArray[np.uint64]:
-    """Gives every kitchen the key of its random stream, (N,) uint64.
+    """Returns every kitchen the key of its random stream, (N,) uint64.
 
     Args:
         seed: A whole number, of which kitchen i's key depends on (seed, i) alone; or (N,) keys; or None for entropy.
@@ -41,14 +41,14 @@ def stream_keys(seed: int | NDArray[np.uint64] | None, num_kitchens: int) -> NDA
             raise ValueError(f"seed holds {seed.dtype} keys; give whole numbers from 0, such as a uint64 array")
         return seed.astype(np.uint64)
     if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0):
-        raise ValueError(f"seed={seed!r}; give a whole number from 0, or an array of one key a kitchen")
+        raise ValueError(f"seed={seed!r}; give a whole number from 0, or an array of one key per kitchen")
     base = np.random.SeedSequence(seed).generate_state(1, np.uint64)
     keys: NDArray[np.uint64] = _mixed(base + np.arange(1, num_kitchens + 1, dtype=np.uint64) * _GOLDEN)
     return keys
 
 
 def _mixed(z: Any) -> Any:
-    """Scrambles 64 bits, of one number or of each in an array (Steele, Lea and Flood 2014, SplitMix64)."""
+    """Mixes the 64 bits of a number or of each number in an array (Steele, Lea and Flood 2014, SplitMix64)."""
     z = (z ^ (z >> _30)) * _MIX_1
     z = (z ^ (z >> _27)) * _MIX_2
     return z ^ (z >> _31)
@@ -98,7 +98,7 @@ def start_kitchens(
         by_code: See `Tables`.
         background: See `Tables`.
         horizon: Steps of an episode, for the urgency plane.
-        random: Whether the start cells are drawn: uniform over the ordered pairs of distinct floor cells whose regions
+        random: Whether start cells are random: uniform over the ordered pairs of distinct floor cells whose regions
             `Layout.start_regions` allows.
     """
     num_floor = floor.shape[0]
@@ -136,7 +136,7 @@ def fill_kitchens(
 ) -> None:
     """Fills pots and hands of freshly started kitchens; arguments as for `start_kitchens`.
 
-    It stands apart since most kitchens start empty, and need not wait for it to be compiled.
+    It is a separate kernel since most kitchens start empty, and need not wait for it to be compiled.
 
     Args:
         rows: See `Batch`, like `image` and `stream`; changed in place.
@@ -167,9 +167,10 @@ def _fill(
     pots: NDArray[np.uint16],
     by_code: NDArray[np.uint8],
 ) -> None:
-    """Fills pots and hands with what the orders use.
+    """Fills pots and hands with ingredients of the orders.
 
-    A pot gets one ingredient up to a whole random order; a whole one is anywhere between just started and ready.
+    A pot gets between one ingredient and a whole random order; a whole order is anywhere between just started and
+    ready.
     """
     for p in range(pots.shape[0]):
         if draw(stream, 2**31) >= threshold:

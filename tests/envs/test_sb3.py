@@ -255,7 +255,7 @@ def test_only_the_same_kitchens_can_be_restored():
         ({"partners": "greedy"}, r"give a list .* \['greedy'\]"),
         ({"partners": ["stay"] * 3}, "3 partners for 2 kitchens"),
         ({"partners": ["gredy"]}, "greedy"),
-        ({"partners": [Answers(None)] * 2}, "stands in the list twice"),
+        ({"partners": [Answers(None)] * 2}, "is in the list twice"),
         ({"partners": [Wanderer("pixels")]}, "pixels"),
         ({"layout": TOMATO_KITCHEN, "observation": "features", "partners": [Wanderer("lossless")]}, "use 'lossless26'"),
         ({"layout": TOMATO_KITCHEN}, "use 'lossless26'"),

@@ -1,1 +1,1 @@
-"""What a chef can be shown: one file for each observation, found by `registry`."""
+"""The observations of a chef: one file for each, found by `registry`."""

@@ -1,4 +1,4 @@
-"""The 96 hand-made features: each chef's surroundings relative to the nearest things by walking distance.
+"""The 96 hand-made features: each chef's surroundings relative to the nearest objects by walking distance.
 
 Source: overcooked_ai (`OvercookedGridworld.featurize_state`, two pot slots, counters no goals).
 The order of the soup counts is the code's, not the one of its docstring (public issue #165).
@@ -37,7 +37,7 @@ _SOURCES = "OTDS"
 _RECIPES = np.array(RECIPES, np.int64)
 
 
-# What a chef on a cell, looking in a direction, has around it: columns of the table that `measure` makes.
+# The surroundings of a chef on a cell that faces a direction: columns of the table that `measure` makes.
 _PLACE = 0  # x and y
 _WALLS = 2  # 1 where the neighbour is no floor, by direction
 _NEAREST = 6  # dx and dy of the nearest onion, tomato, dish and serving tile; 0 where none is in reach
@@ -46,9 +46,9 @@ _COLUMNS = 20
 
 
 def measure(layout: Layout, tables: Tables) -> NDArray[np.int16]:
-    """Finds the nearest things from everywhere: (C, 4, 20) int16 by cell and facing.
+    """Finds the nearest objects from every cell: (C, 4, 20) int16 by cell and facing.
 
-    Distance is the number of actions of one chef alone until it faces the thing, turning towards a wall included; ties
+    Distance is the number of actions of a chef alone until it faces the object, turning towards a wall included; ties
     go to the first in row-major order.
     """
     cells = len(tables.fresh)
@@ -78,7 +78,7 @@ _FAR = 2**30
 
 
 def _actions_to(tables: Tables, goal: int) -> NDArray[np.int64]:
-    """Counts the actions until a chef faces `goal`, by cell and facing: (C, 4), _FAR where it never will."""
+    """Counts the actions until a chef faces `goal`, by cell and facing: (C, 4), _FAR if it never can."""
     ahead, wanted = tables.ways[:, AHEAD : AHEAD + 4], tables.ways[:, WANTED : WANTED + 4]
     is_floor = (tables.fresh == FLOOR)[:, None]
     steps = np.where(is_floor & (ahead == goal), 0, _FAR)
@@ -166,7 +166,7 @@ def _write_block(
 
 
 class Features(Observation):
-    """The features as an observation; where two things are equally near, they choose by column."""
+    """The features as an observation; between two objects at the same distance, they choose by column."""
 
     name = "features"
     dtype: ClassVar[np.dtype[Any]] = np.dtype(np.float32)
@@ -184,7 +184,7 @@ class Features(Observation):
         return max(layout.width, layout.height, _LEAST_BOUND, *layout.cook_times)
 
     def prepare(self, layout: Layout, tables: Tables) -> tuple[NDArray[np.uint16], NDArray[np.int16]]:
-        """Returns the cells of the pots, and the nearest things from everywhere."""
+        """Returns the cells of the pots, and the nearest objects from every cell."""
         return tables.pots, measure(layout, tables)
 
     def write(
@@ -195,7 +195,7 @@ class Features(Observation):
         viewers: NDArray[np.int64],
         out: NDArray[Any],
     ) -> None:
-        """Writes 96 numbers a view; see `Observation.write`."""
+        """Writes 96 numbers per view; see `Observation.write`."""
         pots, around = prepared
         write_features(batch.rows, pots, around, viewers, out)
 

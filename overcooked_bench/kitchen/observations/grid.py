@@ -1,4 +1,4 @@
-"""Observations that are planes of the grid: `Grid`, and the kernels that copy planes to the chefs' views.
+"""`Grid`, an observation made of channels of the grid, and the kernels that copy them to the chefs' views.
 
 Source: overcooked_ai (`OvercookedGridworld.lossless_state_encoding`).
 """
@@ -28,14 +28,14 @@ _EXCHANGED: Final = {"east": "west", "west": "east"}
 
 
 class Grid(Observation):
-    """Planes of the grid, channels first, for the current state and perhaps for older ones.
+    """Channels of the grid for the current state, and optionally for past ones.
 
     Args:
-        name: What it is called.
-        states: The channels of the image that are shown of each state, the current one first.
+        name: The observation's name.
+        states: The channels of the image that each state shows, the current state first.
 
     Attributes:
-        channels: The channel of each plane, those of older states included.
+        channels: The channel of each plane, those of past states included.
     """
 
     can_mirror: ClassVar[bool] = True
@@ -49,7 +49,7 @@ class Grid(Observation):
             self._mirror += [len(self._mirror) + plane for plane in _exchanged_planes(state)]
 
     def refuses(self, layout: Layout) -> str:
-        """Refuses layouts with tomatoes where channels of tomatoes are missing."""
+        """Refuses layouts with tomatoes if the channels of tomatoes are missing."""
         if layout.has_tomatoes and not set(self.channels) >= _TOMATO_CHANNELS:
             return f"{self.name!r} has no tomato channels, and this layout has tomatoes; use 'lossless26'"
         return ""
@@ -79,9 +79,9 @@ class Grid(Observation):
         return np.ascontiguousarray(planes[:, self._mirror, :, ::-1]).reshape(views.shape)
 
     def live(self, layout: Layout) -> Live:
-        """Says which numbers play can change; see `Observation.live`.
+        """Finds the numbers that can change during play; see `Observation.live`.
 
-        Chefs stand on floor; contents are in pots; things lie on counters that a chef can face, or are carried over
+        Chefs stand on floor; contents are in pots; objects are on counters that a chef can face, or are carried over
         floor; urgency is the same in its whole plane. Tiles never change.
         """
         floor, pots = set(layout.positions(" ")), set(layout.positions("P"))
@@ -136,7 +136,7 @@ def write_views(
         runs: (R, 3) int64, runs of planes to copy: first plane of the image, first plane of the view, how many.
         seats: (N, V) int64, whose views are wanted.
         out: (N, V, planes * C) uint8, written.
-        first: Plane of the views to begin at.
+        first: First plane of the views to write.
     """
     num_cells = image.shape[1] // NUM_CHANNELS
     for i in range(image.shape[0]):

@@ -1,4 +1,4 @@
-"""What every observation says about itself; a file in this folder that defines `OBSERVATION` adds one."""
+"""`Observation`, the base of all observations; a file in this folder that defines `OBSERVATION` adds one."""
 
 from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
@@ -15,11 +15,11 @@ PastState = tuple[NDArray[np.uint16], NDArray[np.uint8]]
 
 
 class Live(NamedTuple):
-    """What play can change in a flattened view of I numbers: L variables.
+    """The L variables that can change during play in a flattened view of I numbers.
 
     Attributes:
-        places: (L,) int64, ascending, one place where each variable is shown.
-        shown: (I,) int64, the variable that each number shows, -1 where it never changes. Several numbers may show
+        places: (L,) int64, ascending, one index at which each variable is shown.
+        shown: (I,) int64, the variable that each number shows, -1 if it never changes. Several numbers may show
             the same one.
     """
 
@@ -28,13 +28,13 @@ class Live(NamedTuple):
 
 
 class Observation:
-    """One way to show a kitchen to a chef; subclasses say how.
+    """An observation of a kitchen by a chef; subclasses implement it.
 
     Attributes:
-        name: What `Kitchens.observe` and agents call it.
+        name: Its name for `Kitchens.observe` and agents.
         history: Past states that it shows besides the current one.
         dtype: Type of its numbers.
-        can_mirror: Whether `mirrored` knows the view of the mirror image.
+        can_mirror: Whether `mirrored` is implemented.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Observation:
     can_mirror: ClassVar[bool] = False
 
     def refuses(self, layout: Layout) -> str:
-        """Returns why this layout cannot be shown in this way; an empty text where it can."""
+        """Returns why a layout does not have this observation; an empty text if it has."""
         return ""
 
     def shape(self, layout: Layout) -> tuple[int, ...]:
@@ -59,7 +59,7 @@ class Observation:
         raise NotImplementedError
 
     def prepare(self, layout: Layout, tables: Tables) -> Any:
-        """Computes what `write` needs to know of a layout, once for a `Kitchens`; None where it needs nothing."""
+        """Precomputes the data of a layout that `write` needs, once for a `Kitchens`; None if it needs nothing."""
         return None
 
     def write(
@@ -70,13 +70,13 @@ class Observation:
         viewers: NDArray[np.int64],
         out: NDArray[Any],
     ) -> None:
-        """Writes the views of N kitchens; reads all else.
+        """Writes the views of N kitchens; changes nothing else.
 
         Args:
             prepared: What `prepare` returned.
             batch: The kitchens now.
-            past: At least `history` earlier states, the newest first; empty where none is needed.
-            viewers: (N, V) int64 zeros and ones, whose views are wanted.
+            past: At least `history` past states, the newest first; empty if none is needed.
+            viewers: (N, V) int64 zeros and ones, the chefs whose views are wanted.
             out: (N, V, numbers of a view) `dtype`, every number of which is written.
         """
         raise NotImplementedError
@@ -86,6 +86,6 @@ class Observation:
         raise NotImplementedError
 
     def live(self, layout: Layout) -> Live:
-        """Says which numbers of a view play can change: all of them, unless a subclass knows better."""
+        """Returns the numbers of a view that can change during play: all of them unless a subclass overrides it."""
         everything = np.arange(int(np.prod(self.shape(layout))))
         return Live(everything, everything)

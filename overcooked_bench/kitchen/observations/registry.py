@@ -1,4 +1,4 @@
-"""All observations by name: whatever files of this folder define as `OBSERVATION`."""
+"""All observations by name: every `OBSERVATION` that a file in this folder defines."""
 
 import pkgutil
 from collections.abc import Iterable
@@ -30,7 +30,7 @@ def find_observation(name: str) -> Observation:
     """Looks an observation up.
 
     Raises:
-        WrongUse: There is none of this name.
+        WrongUse: There is no observation of this name.
     """
     if name not in OBSERVATIONS:
         raise WrongUse(

@@ -15,14 +15,14 @@ from overcooked_bench.kitchen.observations.observation import PastState
 from overcooked_bench.kitchen.tables import Tables
 
 PAST_CHANNELS: Final = (0, 2, 3, 4, 5, 1, 6, 7, 8, 9)
-"""What is shown of each past state: own position and facing, then the other's."""
+"""Channels of each past state: own position and facing, then the other chef's."""
 
 
 _FIRST: Final = len(ONION_CHANNELS)
 
 
 class StackChannels(Grid):
-    """The planes of past chefs after those of the current state."""
+    """The planes of the current state, then those of the chefs in past states."""
 
     def prepare(self, layout: Layout, tables: Tables) -> int:
         """Counts the cells."""
@@ -36,7 +36,7 @@ class StackChannels(Grid):
         viewers: NDArray[np.int64],
         out: NDArray[Any],
     ) -> None:
-        """Writes (52, H, W) numbers a view; see `Observation.write`."""
+        """Writes (52, H, W) numbers per view; see `Observation.write`."""
         write_views(batch.rows, batch.image, self.runs, viewers, out, 0)
         first = _FIRST
         for age in range(HISTORY):

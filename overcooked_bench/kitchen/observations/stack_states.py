@@ -15,7 +15,7 @@ _PLANES: Final = len(ONION_CHANNELS)
 
 
 class StackStates(Grid):
-    """Whole past states after the current one, along an axis of their own."""
+    """The current state, then whole past states, along an axis of their own."""
 
     def shape(self, layout: Layout) -> tuple[int, ...]:
         """Returns (states, planes, H, W)."""
@@ -29,7 +29,7 @@ class StackStates(Grid):
         viewers: NDArray[np.int64],
         out: NDArray[Any],
     ) -> None:
-        """Writes (4, 22, H, W) numbers a view; see `Observation.write`."""
+        """Writes (4, 22, H, W) numbers per view; see `Observation.write`."""
         runs, first = self.runs, 0
         write_views(batch.rows, batch.image, runs, viewers, out, first)
         for age in range(HISTORY):
