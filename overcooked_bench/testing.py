@@ -147,8 +147,8 @@ def check_layout(grid_or_file: str | Path | Layout, cooking: str = "auto") -> No
         if not served:
             grid = "\n".join(plan.rows)
             raise CheckFailed(
-                f"no soup was served in {EPISODES} episodes of two greedy agents on\n{grid}\nIs a corridor so narrow that "
-                "chefs cannot pass each other? Widen it, or put what they need on both sides of it"
+                f"no soup was served in {EPISODES} episodes of two greedy agents on\n{grid}\nIs a corridor so narrow "
+                "that chefs cannot pass each other? Widen it, or put what they need on both sides of it"
             )
 
 

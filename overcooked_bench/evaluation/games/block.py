@@ -1,6 +1,6 @@
 """The block, the unit of play: every partner of a layout from every seat, in one batch, for one start state each."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Final, NamedTuple
@@ -8,12 +8,14 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.agents.agent import Agent, UnknownLayout
+from overcooked_bench.agents.agent import AgentFactory, UnknownLayout
 from overcooked_bench.agents.catalogue import find_unchanged
+from overcooked_bench.agents.kinds import RUNS_CODE
 from overcooked_bench.agents.mirror import mirrored
 from overcooked_bench.agents.seated import Seated, SeatedFault
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.agents.threads import one_thread
+from overcooked_bench.agents.turned import Turned
 from overcooked_bench.agents.watch import LOADING, calling
 from overcooked_bench.evaluation.games.episode import Episode, pack_actions, pack_state, side_of
 from overcooked_bench.evaluation.games.play import Games, make_kitchens, play
@@ -41,6 +43,7 @@ class Block:
         layout: Where.
         training_seed: Which training run of the agent.
         episode: Index of the start states.
+        turned: Whether the agent is handed its rows in reverse order, see `again.py`.
     """
 
     agent: str
@@ -53,6 +56,7 @@ class Block:
     layout: str
     training_seed: int
     episode: int
+    turned: bool = False
 
     @property
     def streams(self) -> Streams:
@@ -96,20 +100,20 @@ def play_block(block: Block) -> Outcome:
     who, seats = _deal(block, partners)
     with one_thread():
         with calling("loading", LOADING):
-            make = find_unchanged(block.agent, block.agent_sha256, block.protocol.play.mode).make
+            entrant = find_unchanged(block.agent, block.agent_sha256, block.protocol.play.mode)
         try:
             try:
-                games, adapted = _play(block, make, partners, who, seats, adapted=False), False
+                games, adapted = _play(block, entrant.make, partners, who, seats, adapted=False), False
             except UnknownLayout:
                 if not block.layout.endswith(MIRRORED):
                     raise
-                games, adapted = _play(block, make, partners, who, seats, adapted=True), True
+                games, adapted = _play(block, entrant.make, partners, who, seats, adapted=True), True
         except UnknownLayout as error:
             return Outcome(block.key, unknown=str(error))
         except AgentError as error:
             return Outcome(block.key, fault=f"{block.layout}, training seed {block.training_seed}: {error}")
         except SeatedFault as fault:
-            if fault.who != EGO:  # a partner of ours
+            if fault.who != EGO and entrant.kind not in RUNS_CODE:  # a partner of ours
                 raise
             return Outcome(block.key, fault=_blame(fault, block, partners, who, seats))
     return Outcome(block.key, tuple(_episodes(block, partners, who, seats, games)), adapted)
@@ -117,7 +121,7 @@ def play_block(block: Block) -> Outcome:
 
 def _play(
     block: Block,
-    make: Callable[[str, int], Agent],
+    make: AgentFactory,
     partners: Sequence[Partner],
     who: NDArray[np.int64],
     seats: NDArray[np.int64],
@@ -128,8 +132,9 @@ def _play(
     with _seeded(block.streams.of_process(block.training_seed)):
         with calling("make_agent", LOADING):
             ego = make(layout.removesuffix(MIRRORED) if adapted else layout, block.training_seed)
+        player = mirrored(ego) if adapted else ego
         parties = [
-            Seated(mirrored(ego) if adapted else ego, EGO, np.arange(len(who)), seats),
+            Seated(Turned(player) if block.turned else player, EGO, np.arange(len(who)), seats),
             *seat_partners(partners, who, 1 - seats, pool, rules.mode, layout),
         ]
         kitchens = make_kitchens(
@@ -179,7 +184,9 @@ def _deal(block: Block, partners: Sequence[Partner]) -> tuple[NDArray[np.int64],
 def _blame(
     fault: SeatedFault, block: Block, partners: Sequence[Partner], who: NDArray[np.int64], seats: NDArray[np.int64]
 ) -> str:
-    if fault.row is None:
+    if fault.who != EGO:
+        where = f"partner {fault.who}, which fails beside no other agent: does this one change what both use?"
+    elif fault.row is None:
         names, every = ", ".join(partner.name for partner in partners), sorted(block.protocol.play.seats)
         where = f"partners {names} (one call plays them all), seats {' and '.join(map(str, every))}"
     else:
