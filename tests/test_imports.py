@@ -13,7 +13,7 @@ import overcooked_bench
 
 PACKAGE = Path(overcooked_bench.__file__).parent
 BASELINES = PACKAGE.parent / "baselines"
-HEAVY = ("numba", "torch", "matplotlib", "scipy", "PIL", "stable_baselines3", "pettingzoo", "joblib", "tensorboard")
+HEAVY = ("numba", "torch", "matplotlib", "scipy", "PIL", "stable_baselines3", "pygame", "tensorboard")
 
 IMPORT = "import overcooked_bench"
 HELP = "import contextlib, overcooked_bench.cli as cli\nwith contextlib.suppress(SystemExit):\n    cli.main(['--help'])"

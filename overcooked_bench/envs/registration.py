@@ -1,4 +1,4 @@
-"""Gymnasium ids, one for each shipped layout and one for a custom grid.
+"""Ids in the registries of Gymnasium and PettingZoo, one for each shipped layout and one for a custom grid.
 
 The dynamics of a `-v0` id never change; a change of dynamics gets `-v1`.
 """
@@ -7,6 +7,7 @@ from overcooked_bench.kitchen.layout import layout_names
 
 CUSTOM_ID = "Overcooked/Custom-v0"
 _SINGLE = "overcooked_bench.envs.single:OvercookedEnv"
+_PARALLEL = "overcooked_bench.envs.parallel:parallel_env"
 _VECTOR = "overcooked_bench.envs.vector:OvercookedVectorEnv"
 
 
@@ -16,7 +17,7 @@ def env_id(layout: str) -> str:
 
 
 def register_environments() -> None:
-    """Registers all ids with Gymnasium, except those that are registered already.
+    """Registers all ids with Gymnasium, and with PettingZoo if installed, except those that are registered already.
 
     No `max_episode_steps` is registered: the horizon is the kitchen's own.
     """
@@ -26,3 +27,11 @@ def register_environments() -> None:
     for name, kwargs in rows.items():
         if name not in registry:
             register(name, entry_point=_SINGLE, vector_entry_point=_VECTOR, kwargs=kwargs)
+    try:
+        import pettingzoo
+    except ModuleNotFoundError:
+        return
+    parallel = getattr(pettingzoo, "parallel_registry", ())  # PettingZoo before 1.27 has none
+    for name, kwargs in rows.items() if parallel else ():
+        if name not in parallel:
+            pettingzoo.register("parallel", name, _PARALLEL, kwargs=kwargs)

@@ -1,4 +1,5 @@
 import gymnasium as gym
+import pettingzoo
 import pytest
 
 import overcooked_bench
@@ -60,3 +61,20 @@ def test_a_custom_kitchen_from_a_grid_and_from_a_file(tmp_path):
 def test_a_custom_kitchen_needs_a_layout(make):
     with pytest.raises(ValueError, match=r"write layout= with a grid's text, the path of a \.layout file"):
         make("Overcooked/Custom-v0")
+
+
+def test_the_same_ids_are_in_the_registry_of_pettingzoo():
+    ours = {name for name in pettingzoo.parallel_registry if name.startswith("Overcooked/")}
+    assert ours == {name for name in gym.registry if name.startswith("Overcooked/")}
+    env = pettingzoo.make("parallel", "Overcooked/CounterCircuit-v0", horizon=7, observation="features")
+    assert env.kitchens.layout == Layout.load("counter_circuit")
+    assert list(env.reset(seed=0)[0]) == ["chef_0", "chef_1"]
+    own = pettingzoo.make("parallel", "Overcooked/Custom-v0", layout=TOMATO_KITCHEN, observation="lossless26")
+    assert own.observation_space("chef_0").shape == (26, 4, 5)
+    with pytest.raises(TypeError, match="layout"):
+        pettingzoo.make("parallel", "Overcooked/Custom-v0")
+
+
+def test_an_older_pettingzoo_without_a_registry_is_no_hindrance(monkeypatch):
+    monkeypatch.delattr(pettingzoo, "parallel_registry")
+    register_environments()
