@@ -1,7 +1,8 @@
 """Named configurations of the training methods: `configs/<method>.yaml`, a mapping from names to settings.
 
 A configuration says where it differs from the method's defaults; `extends: other` starts from another one of the file,
-`extends: method:other` from one of another method's; `by_layout` has what differs on single layouts.
+`extends: method:other` from one of another method's; `by_layout` has what differs on single layouts. A method without
+such a file has one configuration, `default`.
 """
 
 import types
@@ -131,4 +132,6 @@ def _fitted(hint: Any, value: Any, where: str) -> Any:
 def _read(method: str) -> dict[str, Any]:
     check_method(method)
     file = files(__package__ or "").joinpath("configs", f"{method}.yaml")
+    if not file.is_file():
+        return {"default": {}}
     return parse_yaml(file.read_text(encoding="utf-8"), file.name, PresetError).data

@@ -1,6 +1,6 @@
-"""A new layout, scenario or protocol is one new file; CONTRIBUTING.md names the test of every kind.
+"""A new layout, scenario, protocol or training method is one new file; CONTRIBUTING.md names the test of every kind.
 
-Each test adds its file to a copy of the folder that it belongs to, and uses it from there in a new process.
+A data file is added to a copy of the folder that it belongs to, and used from there in a new process.
 """
 
 import re
@@ -11,6 +11,12 @@ from importlib.resources import files
 from pathlib import Path
 
 import pytest
+
+from overcooked_bench import baselines
+from overcooked_bench.agents.catalogue import find
+from overcooked_bench.baselines.methods import METHODS
+from overcooked_bench.cli import main
+from tests.baselines.tiny import tiny_arguments
 
 ROOT = Path(__file__).parents[1]
 
@@ -103,6 +109,24 @@ def test_a_protocol_is_one_file(with_file):
     shown, *scored = with_file("overcooked_bench.protocols", "quick.yaml", text, PLAYS).splitlines()
     assert shown == "True"
     assert any("protocol quick" in line for line in scored)
+
+
+METHOD = """
+from .learning.command import main_of
+from .self_play import Config, train
+
+
+def main(arguments):
+    return main_of("mine", Config, train, arguments)
+"""
+
+
+def test_a_training_method_is_one_file_and_one_row(tmp_path, monkeypatch):
+    (tmp_path / "mine.py").write_text(METHOD)
+    monkeypatch.setattr(baselines, "__path__", [*baselines.__path__, str(tmp_path)])
+    monkeypatch.setitem(METHODS, "mine", "a method of my own")
+    assert main(["train", "mine", *tiny_arguments("--output", str(tmp_path / "run"))]) == 0
+    assert find(str(tmp_path / "run" / "policy.json")).layout == "cramped_room"
 
 
 KINDS = {
