@@ -186,7 +186,8 @@ def test_training_against_a_pool_that_scores_is_not_done_unwarned(capsys):
     for name in ("dev-v0", "dev-v0/cramped_room/sp-0", str(find_pool("dev-v0"))):
         partner_names(["greedy", name], settings("best-response"))
         assert "protocol dev scores with the pool dev-v0" in capsys.readouterr().err
-    partner_names(["greedy", "train-v1"], settings("best-response"))
+    names = partner_names(["greedy", "train-v1"], settings("best-response"))
+    assert len(names) == 1 + 48, "scripted partners of a pool are not trained with"
     assert not capsys.readouterr().err
 
 

@@ -52,7 +52,7 @@ def read_manifest(folder: Path) -> Manifest:
     if form == FORMAT:
         manifest = parse_json(data, str(file), Manifest, PoolError)
         hashed = _hashed(manifest)
-    elif form in UPGRADES:
+    elif type(form) is int and form in UPGRADES:
         try:
             manifest, hashed = UPGRADES[form](data)
         except ValueError as error:

@@ -3,7 +3,7 @@
 Axes: P agents of a layout, S states.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from itertools import combinations
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from overcooked_bench.agents.policies.neural import PolicyStack
 from overcooked_bench.agents.policies.policy import PolicyError
 from overcooked_bench.agents.pools.lineage import Finding, check_lineages
-from overcooked_bench.agents.pools.manifest import PoolError, read_manifest
+from overcooked_bench.agents.pools.manifest import PoolError, check_version, read_manifest
 from overcooked_bench.agents.pools.pool import Pool, find_pool, shipped_pools
 from overcooked_bench.agents.seated import SeatedFault
 from overcooked_bench.agents.threads import one_thread
@@ -59,9 +59,10 @@ def verify_pool(
     """Verifies a pool.
 
     1. Every file is there and hashed as the manifest says, and no weights occur twice.
-    2. The lineage rules of `check_lineages`, also against the shipped pools of other names.
-    3. Every agent is loaded and plays one episode with itself.
-    4. No two agents act alike on the states that were met; where some do, that is a warning.
+    2. Every scripted partner is known here, in the version that the pool means.
+    3. The lineage rules of `check_lineages`, also against the shipped pools of other names.
+    4. Every trained agent is loaded and plays one episode with itself.
+    5. No two trained agents act the same way on the states that were met; if some do, that is a warning.
 
     Args:
         name_or_folder: A shipped pool's name, or a folder.
@@ -77,15 +78,25 @@ def verify_pool(
     except PoolError as error:
         return Verdict(None, (Finding(True, str(error)),), 0)
     others = [read_manifest(find_pool(name)) for name in shipped_pools() if name != pool.name]
-    findings, played = check_lineages(pool.manifest, others), 0
-    for done, layout in enumerate(pool.layouts, start=1):
+    findings, played = [*_versions(pool), *check_lineages(pool.manifest, others)], 0
+    trained = [layout for layout in pool.layouts if pool.agents(layout)]
+    for done, layout in enumerate(trained, start=1):
         try:
             findings += _compare(pool, layout, horizon)
             played += len(pool.agents(layout))
         except (PoolError, PolicyError, SeatedFault) as error:
             findings.append(Finding(True, f"{layout}: {error}"))
-        on_progress(layout, done, len(pool.layouts))
+        on_progress(layout, done, len(trained))
     return Verdict(pool, tuple(findings), played)
+
+
+def _versions(pool: Pool) -> Iterator[Finding]:
+    """Names the scripted partners that cannot be played as the pool means; each once, whatever its layouts."""
+    for entry in {entry.sha256: entry for entry in pool.manifest.entries}.values():
+        try:
+            check_version(pool.manifest, entry)
+        except PoolError as error:
+            yield Finding(True, str(error))
 
 
 def _compare(pool: Pool, layout: str, horizon: int) -> list[Finding]:

@@ -108,6 +108,8 @@ def test_pools_of_older_formats_are_read_with_the_scripted_partners_of_their_pro
         (2, lambda m: m.update(agents=[3]), "Expected `object`"),
         (2, lambda m: m.update(format=3), "unknown field `agents`"),
         (2, lambda m: m.update(format=1), "which came with format 2"),
+        (2, lambda m: m.update(format=[2]), "reads formats 1 to 3"),
+        (1, lambda m: m.update(format=True), "reads formats 1 to 3"),
     ],
 )
 def test_a_changed_manifest_of_an_older_format_is_refused(tmp_path, form, change, message):
@@ -133,6 +135,7 @@ def test_every_kind_of_partner_is_written_and_read(pool_folder):
     assert found["greedy"].sha256 == find("greedy").sha256
     assert found["stay"].role == "floor"
     assert found["rude"].reference == behaviour
+    assert found["rude"].sha256 == find(behaviour.behaviour).sha256, "and that of a behaviour too"
     assert len({entry.sha256 for entry in found.values()}) == 4
     for entry in found.values():
         check_version(pool.manifest, entry)

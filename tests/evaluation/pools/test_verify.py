@@ -6,7 +6,7 @@ from overcooked_bench.agents.pools.manifest import PoolError, write_manifest
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.evaluation.pools.profile import measure
 from overcooked_bench.evaluation.pools.verify import verify_pool
-from tests.agents.made import random_weights, record, small_mlp, write_policy
+from tests.agents.made import random_weights, record, scripted, small_mlp, write_policy
 
 LAYOUT = "cramped_room"
 
@@ -28,6 +28,16 @@ def test_a_sound_pool_is_played(tmp_path):
     assert (verdict.sound, verdict.findings, verdict.agents) == (True, (), 2)
     assert verdict.pool.name == "mine"
     assert told == [(LAYOUT, 1, 1)]
+
+
+def test_a_scripted_partner_of_another_version_is_grave(tmp_path):
+    grid = "XXPXX\nO  2O\nX1  X\nXDXSX"
+    entries = [scripted("greedy", version=2), scripted("stay"), scripted("random", layout=grid)]
+    write_manifest(tmp_path, "mine", entries)
+    verdict = verify_pool(tmp_path, horizon=30)
+    (finding,) = verdict.findings
+    assert (verdict.sound, verdict.agents) == (False, 0)
+    assert "means version 2 of the scripted agent 'greedy'" in finding.text
 
 
 def test_ties_are_grave(tmp_path):
