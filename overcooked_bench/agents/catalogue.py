@@ -5,7 +5,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from overcooked_bench.agents.agent import Agent, Reference
-from overcooked_bench.agents.kinds import KINDS, SCRIPT, Entrant
+from overcooked_bench.agents.kinds import KINDS, RUNS_CODE, SCRIPT, Entrant
 from overcooked_bench.agents.pools.manifest import read_manifest
 from overcooked_bench.agents.pools.pool import Pool, find_pool, is_pool, shipped_pools
 from overcooked_bench.agents.scripted import SCRIPTED
@@ -52,6 +52,12 @@ def find(reference: Reference, *, mode: "Mode" = "sample") -> Entrant:
         if kind.fits(reference):
             return kind.find(reference, mode)
     raise AgentError(_unknown(str(reference)))
+
+
+def runs_code(reference: Reference) -> bool:
+    """Tells, without running anything, whether finding an agent runs code of a submission."""
+    fits = next((name for name, kind in KINDS.items() if kind.fits(reference)), None)
+    return fits in RUNS_CODE
 
 
 @lru_cache(maxsize=1)

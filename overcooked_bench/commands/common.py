@@ -78,6 +78,17 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
 
 
+def add_act_timeout(parser: argparse.ArgumentParser) -> None:
+    """Declares `--act-timeout`."""
+    parser.add_argument(
+        "--act-timeout",
+        metavar="SECONDS",
+        type=positive,
+        default=60.0,
+        help="longest call of a submission's act, for a whole batch of episodes (default: 60)",
+    )
+
+
 def names(text: str) -> list[str]:
     """Parses names that are separated by commas, as argparse's `type`."""
     found = [name.strip() for name in text.split(",") if name.strip()]

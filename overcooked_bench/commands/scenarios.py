@@ -3,11 +3,13 @@
 import argparse
 import os
 import sys
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from overcooked_bench.commands.common import (
     ProgressBar,
+    add_act_timeout,
     add_command,
     add_group,
     add_json,
@@ -21,8 +23,9 @@ from overcooked_bench.scenarios import CATEGORIES
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from overcooked_bench.commands.apart import Call
     from overcooked_bench.scenarios.items import Item
-    from overcooked_bench.scenarios.results import SuiteResult
+    from overcooked_bench.scenarios.results import ItemResult, SuiteResult
     from overcooked_bench.scenarios.scenario import Scenario
     from overcooked_bench.scenarios.solving.gates import GateReport
 
@@ -65,6 +68,7 @@ def _add_run(commands: Any) -> None:
     parser.add_argument("--repeat", metavar="K", type=whole(0), help="play this run alone (from 0) and show its film")
     parser.add_argument("--film", action="store_true", help="show the last steps of every item that is failed")
     parser.add_argument("--report", metavar="FILE", help="write the result of every item as JSON")
+    add_act_timeout(parser)
     add_json(parser)
 
 
@@ -72,19 +76,16 @@ def _run(options: argparse.Namespace) -> int:
     import json
     from pathlib import Path
 
-    from overcooked_bench.agents.catalogue import find
+    from overcooked_bench.commands.apart import agent_apart
     from overcooked_bench.scenarios.results import SuiteResult
-    from overcooked_bench.scenarios.runner import run_items
 
     chosen = _items(options)
-    make_agent = find(options.agent, mode=options.mode).make
     settings = {"training_seed": options.training_seed, "warmup": options.warmup}
-    if options.repeat is not None:
-        return _run_once(options, chosen, make_agent)
-    with ProgressBar("compiling and loading") as tell:
-        played = run_items(
-            make_agent, chosen, options.repeats, **settings, on_progress=lambda done, of: tell("kitchens", done, of)
-        )
+    with agent_apart(options.agent, options.mode, options.act_timeout) as call:
+        if options.repeat is not None:
+            return _run_once(options, chosen, call)
+        with ProgressBar("compiling and loading") as tell:
+            played = _play(call, chosen, partial(tell, "kitchens"), options.repeats, **settings)
     result = SuiteResult(
         options.agent, options.mode, options.repeats, options.training_seed, options.warmup, False, tuple(played)
     )
@@ -96,6 +97,23 @@ def _run(options: argparse.Namespace) -> int:
     else:
         _print_result(result, options)
     return 0 if result.passed == result.n else 1
+
+
+def _play(
+    call: "Call", items: "list[Item]", on_progress: Callable[[int, int], None], repeats: int, **settings: int
+) -> "list[ItemResult]":
+    """Plays items kitchen by kitchen; returns the results in the order of the items."""
+    from overcooked_bench.scenarios.runner import run_items
+
+    kitchens: dict[Any, list[Item]] = {}
+    for item in items:
+        kitchens.setdefault(item.kitchen, []).append(item)
+    found: dict[str, ItemResult] = {}
+    for done, (_, some) in enumerate(sorted(kitchens.items())):
+        on_progress(done, len(kitchens))
+        found |= {result.item.id: result for result in call(run_items, some, repeats, **settings)}
+    on_progress(len(kitchens), len(kitchens))
+    return [found[item.id] for item in items]
 
 
 def _print_result(result: "SuiteResult", options: argparse.Namespace) -> None:
@@ -114,7 +132,7 @@ def _print_result(result: "SuiteResult", options: argparse.Namespace) -> None:
         print("\n--film shows the last steps of what was failed")
 
 
-def _run_once(options: argparse.Namespace, chosen: "list[Item]", make_agent: Any) -> int:
+def _run_once(options: argparse.Namespace, chosen: "list[Item]", call: "Call") -> int:
     from overcooked_bench.agents.agent import UnknownLayout
     from overcooked_bench.scenarios.runner import play_once
 
@@ -128,8 +146,8 @@ def _run_once(options: argparse.Namespace, chosen: "list[Item]", make_agent: Any
     passed = []
     for situation in situations.values():
         try:
-            run = play_once(
-                *(make_agent, situation, options.repeat), training_seed=options.training_seed, warmup=options.warmup
+            run = call(
+                *(play_once, situation, options.repeat), training_seed=options.training_seed, warmup=options.warmup
             )
         except UnknownLayout as error:
             print(f"{situation.id} not attempted: {error}")
@@ -157,22 +175,22 @@ def _add_compare(commands: Any) -> None:
     parser.add_argument("--select", metavar="A,B", type=names, help=_SELECT)
     parser.add_argument("--repeats", metavar="N", type=whole(1), default=20, help="runs of each (default: 20)")
     parser.add_argument("--mode", choices=("sample", "greedy"), default="sample", help="how frozen policies act")
+    add_act_timeout(parser)
     add_json(parser)
 
 
 def _compare(options: argparse.Namespace) -> int:
     import json
 
-    from overcooked_bench.agents.catalogue import find
+    from overcooked_bench.commands.apart import agent_apart
     from overcooked_bench.scenarios.items import load_items
-    from overcooked_bench.scenarios.runner import run_items
     from overcooked_bench.scenarios.shown.comparing import agents_table
 
     chosen, played = load_items(options.select), {}
-    makers = {agent: find(agent, mode=options.mode).make for agent in options.agents}
     with ProgressBar("compiling and loading") as tell:
-        for agent, make_agent in makers.items():
-            results = run_items(make_agent, chosen, options.repeats, on_progress=partial(tell, agent))
+        for agent in options.agents:
+            with agent_apart(agent, options.mode, options.act_timeout) as call:
+                results = _play(call, chosen, partial(tell, agent), options.repeats)
             played[agent] = [result.to_dict() for result in results]
     print(json.dumps(played, indent=2) if options.json else agents_table(played).markdown())
     return 0

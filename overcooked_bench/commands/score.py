@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from overcooked_bench.commands.common import (
     ProgressBar,
+    add_act_timeout,
     add_command,
     add_engine,
     add_json,
@@ -13,7 +14,6 @@ from overcooked_bench.commands.common import (
     add_seed,
     add_workers,
     console,
-    positive,
 )
 
 if TYPE_CHECKING:
@@ -46,13 +46,7 @@ def add_score(commands: Any) -> None:
         metavar="TEXT",
         help="replaces the protocol's public salt; `fresh` draws one, as official runs do (default: the public one)",
     )
-    parser.add_argument(
-        "--act-timeout",
-        metavar="SECONDS",
-        type=positive,
-        default=60.0,
-        help="longest call of a submission's act, for a whole batch of episodes (default: 60)",
-    )
+    add_act_timeout(parser)
     parser.add_argument(
         "--scenarios",
         action=argparse.BooleanOptionalAction,

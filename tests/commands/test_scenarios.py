@@ -197,3 +197,24 @@ def test_mistakes_end_in_one_message(home, capsys, arguments, code, words):
     said = capsys.readouterr().err
     assert words in said
     assert "Traceback" not in said
+
+
+@pytest.mark.parametrize(
+    ("act", "message"),
+    [
+        ("import os; os._exit(0)", "act, step 0: the worker process ended with exit code 0"),
+        ("while True: pass", "act, step 0: no answer within 1 s"),
+    ],
+)
+def test_an_agent_that_ends_or_blocks_its_process_does_not_end_the_command(home, capsys, act, message):
+    (home / "hostile.py").write_text(
+        POTTER.replace("    def act(self", f"    def act(self, seen):\n        {act}\n\n    def other(self")
+    )
+    assert scenarios("run", "T02-pot.scenario.yaml", "--agent", "hostile.py", "--act-timeout", "1") == 1
+    assert message in capsys.readouterr().err
+
+
+def test_an_agent_that_ends_its_process_while_it_is_imported(home, capsys):
+    (home / "hostile.py").write_text("import os\nos._exit(0)\n")
+    assert scenarios("compare", "hostile.py", "--select", "T02-pot.scenario.yaml") == 1
+    assert "hostile.py: loading: the worker process ended with exit code 0" in capsys.readouterr().err
