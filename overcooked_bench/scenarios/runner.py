@@ -1,4 +1,4 @@
-"""Plays an agent through scenarios: all runs that share a kitchen at once."""
+"""Plays an agent through scenarios, all runs that share a kitchen at the same time."""
 
 import hashlib
 from collections.abc import Callable, Iterator, Sequence
@@ -32,9 +32,9 @@ REPEATS: Final = 20
 MOST_ROWS: Final = 4096
 """Kitchens in one batch."""
 
-_PROBES: Final = 2  # runs with other seeds, before it is asked whether the agent acts alike in all of them
-_ENOUGH: Final = 200  # decisions that have to be alike for an agent to be deterministic
-_SEQUENCE: Final = 4  # repeats between two looks at what is decided already
+_PROBES: Final = 2  # runs with other seeds, after which the agent is checked for being deterministic
+_ENOUGH: Final = 200  # decisions that have to be equal for an agent to be deterministic
+_SEQUENCE: Final = 4  # repeats between two checks of what is decided already
 
 _Group = tuple[str, str, bool]  # layout, cooking, mirrored
 
@@ -59,10 +59,10 @@ def run_scenarios(
             pattern with `*`, the path of a file or a folder; or a list of such.
         repeats: Runs of each situation, for agents that are not deterministic.
         mode: How frozen policies act: "sample" or "greedy".
-        training_seed: Which of a submission's training runs.
-        warmup: How often agents are shown the first view, their answers ignored, before they are asked.
+        training_seed: Which of a submission's training runs to test.
+        warmup: How often agents are shown the first observation, their answers ignored, before they are asked.
         sequential: Whether to stop an item's runs once its verdict is certain; the rates are rougher then.
-        name: What to call the agent; by default what was given.
+        name: The agent's name; by default the reference.
 
     Raises:
         ScenarioError: A scenario is wrong, or nothing fits `select`.
@@ -99,16 +99,16 @@ def run_items(
     sequential: bool = False,
     on_progress: Callable[[int, int], None] = lambda *_: None,
 ) -> list[ItemResult]:
-    """Plays items; `run_scenarios` tells the arguments.
+    """Plays items; see `run_scenarios`.
 
     Args:
         make_agent: Makes an agent for a layout's name and a training seed.
-        items: What is played.
+        items: The items to play.
         repeats: Runs of each situation.
-        training_seed: Handed to `make_agent`.
-        warmup: First views shown before.
-        sequential: Whether to stop early.
-        on_progress: Called with the kitchens that are done, and of how many.
+        training_seed: Passed to `make_agent`.
+        warmup: How often the first observation is shown before the start.
+        sequential: Whether to stop an item's runs once its verdict is certain.
+        on_progress: Called with the number of kitchens that are done, and the total.
 
     Returns:
         A result for each item, in their order.
@@ -136,17 +136,17 @@ def run_items(
 def play_once(
     make_agent: AgentFactory, situation: Situation, repeat: int = 0, *, training_seed: int = 0, warmup: int = 0
 ) -> Run:
-    """Plays one run as `run_items` plays it among others, and looks closely at it.
+    """Plays one run as `run_items` plays it among others, and judges it.
 
     Args:
         make_agent: Makes an agent for a layout's name and a training seed.
-        situation: What is played.
-        repeat: Which run, from 0: it says with what seed.
-        training_seed: Handed to `make_agent`.
-        warmup: First views shown before.
+        situation: The situation to play.
+        repeat: Which run, from 0; determines the seed.
+        training_seed: Passed to `make_agent`.
+        warmup: How often the first observation is shown before the start.
 
     Raises:
-        UnknownLayout: The agent does not know the kitchen.
+        UnknownLayout: The agent declines the layout.
         ScenarioError: The scenario cannot be solved, so that it has no budget.
         ScenarioFault: The agent broke the contract.
     """
@@ -166,11 +166,11 @@ def play_once(
 
 
 def scenario_seed(scenario: str, repeat: int) -> int:
-    """Gives A's seed in a repeat of a scenario: the same for every agent, seat and mirror.
+    """Returns A's seed in a repeat of a scenario: the same for every agent, seat and mirror.
 
     Args:
-        scenario: Its id.
-        repeat: From 0.
+        scenario: The scenario's id.
+        repeat: Which repeat, from 0.
     """
     digest = hashlib.sha256(f"scenario/{scenario}/{repeat}".encode()).digest()
     return int.from_bytes(digest[:8], "little")
@@ -195,7 +195,7 @@ class _Played:
 
 
 def _needed(runs: int) -> int:
-    """Gives how many of so many runs have to pass."""
+    """Returns how many of a number of runs have to pass."""
     return ceil(PASS_RATE * runs - 1e-9)
 
 
@@ -254,7 +254,7 @@ def _play_group(
 
 
 def _play_parts(agent: "Agent", parts: Sequence[Part], repeats: int, warmup: int, sequential: bool) -> list[_Played]:
-    """Plays two repeats of each part, and the others, too, unless the agent turns out to be deterministic."""
+    """Plays two repeats of each part, and the others unless the agent turns out to be deterministic."""
     played = [_Played(part) for part in parts]
     first, alike, compared = 0, True, 0
     while first < repeats:
@@ -274,14 +274,14 @@ def _play_parts(agent: "Agent", parts: Sequence[Part], repeats: int, warmup: int
 
 
 def _chunks(played: Sequence[_Played], repeats: int) -> Iterator[Sequence[_Played]]:
-    """Deals parts out to batches of bounded size."""
+    """Splits parts into batches of bounded size."""
     size = max(1, MOST_ROWS // repeats)
     for start in range(0, len(played), size):
         yield played[start : start + size]
 
 
 def _play(agent: "Agent", played: Sequence[_Played], repeats: range, warmup: int) -> bool:
-    """Plays repeats of parts and adds to what is known of them; tells whether all were like the first repeat."""
+    """Plays repeats of parts and adds their results; returns whether all were equal to the first repeat."""
     parts = [one.part for one in played]
     seeds = np.array([[scenario_seed(p.situation.scenario.id, k) for k in repeats] for p in parts], np.uint64).ravel()
     stage = _perform(agent, parts, seeds, len(repeats), warmup)
@@ -301,11 +301,11 @@ def _play(agent: "Agent", played: Sequence[_Played], repeats: range, warmup: int
 
 
 def _ways(make_agent: AgentFactory, situation: Situation, seed: int) -> "Iterator[tuple[Callable[[], Agent], bool]]":
-    """Lists how an agent may come to play a kitchen, and whether it is adapted then.
+    """Lists the ways to make an agent for a kitchen, each with whether the agent is adapted then.
 
     Args:
         make_agent: Makes it.
-        situation: Of the kitchen.
+        situation: A situation of the kitchen.
         seed: The training seed.
     """
     layout = situation.layout

@@ -1,4 +1,4 @@
-"""Situations in play: the kitchens, the partners on the other seats, what is counted, and the verdicts.
+"""Runs situations: the kitchens, the partners on the other seats, the counters, and the verdicts.
 
 Axes: P parts (situations with a budget), R repeats of each, N = P * R rows, part by part; T steps.
 """
@@ -31,13 +31,13 @@ class Part(NamedTuple):
 
 
 class Stage:
-    """Runs of situations that share a kitchen, all from their beginning.
+    """Runs of situations that share a kitchen, all from their start.
 
-    A run is decided once `accept` holds, `never` does, or the budget is used up; what happens in its kitchen later does
-    not matter any more, and its partner stands still.
+    A run is decided once `accept` holds, `never` holds, or the budget is used up; what happens in its kitchen later
+    does not matter, and its partner stands still.
 
     Args:
-        parts: Situations of one layout and one way of cooking.
+        parts: Situations of one layout and cooking mode, with their budgets.
         repeats: R.
         history: Past states that observations need, as for `Kitchens`.
 
@@ -47,7 +47,7 @@ class Stage:
         step: Joint actions played so far.
         decided: (N,) bool.
         passed: (N,) bool.
-        reached: (N,) int64, the step of A at which `accept` held, -1 where it did not.
+        reached: (N,) int64, the step of A at which `accept` held, -1 if it did not.
         actions: (T, N, 2) uint8, joint actions; T is the longest run's length.
     """
 
@@ -87,7 +87,7 @@ class Stage:
         """Plays one step.
 
         Args:
-            own: (N,) int64, A's actions; not looked at in runs whose `before` is still being played.
+            own: (N,) int64, A's actions; ignored in runs whose `before` is still being played.
         """
         joint = np.empty((len(own), 2), np.int64)
         joint[self._everybody, self.seats] = own
@@ -104,10 +104,10 @@ class Stage:
         self.step += 1
         self._judge()
         if result.truncated.any() and not self.over:
-            self.kitchens.reset(mask=result.truncated)  # its run is decided; it goes on so that the others can
+            self.kitchens.reset(mask=result.truncated)  # its run is decided; it continues so that the others can
 
     def truth(self, row: int, conditions: Sequence[object]) -> list[bool]:
-        """Says which conditions hold in a row now."""
+        """Returns which conditions hold in a row now."""
         moment = self._moment(slice(row, row + 1), self.parts[row // self.repeats].situation)
         return [bool(condition.value(moment)[0]) for condition in conditions]  # type: ignore[attr-defined]
 
@@ -115,7 +115,7 @@ class Stage:
         return slice(index * self.repeats, (index + 1) * self.repeats)
 
     def _partners(self, index: int, joint: NDArray[np.int64]) -> None:
-        """Writes what B does in the runs of a part; and what A does, too, before it is asked."""
+        """Writes B's actions in the runs of a part, and A's actions as long as `before` is being played."""
         situation, rows = self.parts[index].situation, self._rows(index)
         time = self.step - len(situation.before)
         if time < 0:

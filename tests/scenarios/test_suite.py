@@ -1,4 +1,4 @@
-"""The scenarios that ship: each stands the gates, and together they are what the README says they are."""
+"""The scenarios that ship: each passes the checks, and together they are what the README says they are."""
 
 import re
 from collections import Counter

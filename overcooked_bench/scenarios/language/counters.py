@@ -1,4 +1,4 @@
-"""What chefs have done so far, counted: every event belongs to the chef whose interaction it was.
+"""Counts what chefs have done so far: every event belongs to the chef that interacted.
 
 Axes: N kitchens (rows), K counters.
 """
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
     from overcooked_bench.kitchen.tables import Tables
 
 ITEMS: Final = {"nothing": NOTHING, "onion": ONION, "tomato": TOMATO, "dish": DISH, "soup": SOUP + 1}
-"""Things by name; every soup counts as the code after SOUP."""
+"""Objects by name; every soup counts as the code after SOUP."""
 
 EVENTS: Final = {"pot": POTTED, "plate": PLATED, "serve": SERVED, "pick": TOOK | PICKED_UP, "drop": PUT_DOWN}
-"""What an interaction can be: fill a pot, take a soup out of a pot with a dish, deliver, take from a dispenser or a
+"""The kinds of interaction: fill a pot, take a soup out of a pot with a dish, deliver, take from a dispenser or a
 counter, put on a counter; with its bits in `StepResult.actions_taken`."""
 
 
@@ -45,7 +45,7 @@ class Counter:
         event: One of `EVENTS`; "blocked" for the steps in which a chef wanted to walk and the other was in the way; or
             "score" for the team's points.
         chef: "A" or "B"; empty for the score.
-        item: Only with this thing.
+        item: Only with this object.
         at: Only at this pot, numbered from 1 in reading order.
     """
 
@@ -55,7 +55,7 @@ class Counter:
     at: int | None = None
 
     def __str__(self) -> str:
-        """As the language of conditions writes it."""
+        """The counter in the language of conditions."""
         if self.event == "score":
             return "score"
         if self.event == "blocked":
@@ -65,7 +65,7 @@ class Counter:
 
 
 def kinds(items: NDArray[np.uint16]) -> NDArray[np.uint16]:
-    """Gives the code of each thing with all soups as one, as in `ITEMS`."""
+    """Returns the code of each object with all soups as one, as in `ITEMS`."""
     return np.minimum(items, np.uint16(SOUP + 1))
 
 
@@ -76,17 +76,17 @@ def count_step(
     rows: NDArray[np.uint16],
     taken: NDArray[np.uint16],
 ) -> NDArray[np.int64]:
-    """Counts what one joint step brought.
+    """Counts the events of one joint step.
 
     Args:
         counters: K of them.
         seats: (N,) int64, the seat of chef A in each kitchen.
         tables: The kitchens' tables.
-        rows: (N, ...) rows of the batch after the step; whoever interacted faces what they faced before.
-        taken: (N, 2) uint16, what each chef did, see `StepResult.actions_taken`.
+        rows: (N, ...) rows of the batch after the step; a chef that interacted faces the same cell as before.
+        taken: (N, 2) uint16, the actions taken, see `StepResult.actions_taken`.
 
     Returns:
-        (N, K) int64, what is to be added to each counter.
+        (N, K) int64, the numbers to add to each counter.
     """
     increments = np.zeros((len(taken), len(counters)), np.int64)
     for k, counter in enumerate(counters):

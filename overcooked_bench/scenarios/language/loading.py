@@ -1,4 +1,4 @@
-"""From YAML to `Scenario`; every error names the file and the line."""
+"""Reads a `Scenario` from YAML; every error names the file and the line."""
 
 import re
 from collections.abc import Mapping
@@ -29,10 +29,10 @@ MOST_STEPS: Final = 200
 """The greatest budget, and the longest `before`."""
 
 NAME: Final = r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}"
-"""What ids, families, pairs and tags look like."""
+"""The form of ids, families, pairs and tags."""
 
 POT: Final = r"[123] onions?|ready|cooking [1-9][0-9]{0,2}( left)?"
-"""What the content of a pot looks like."""
+"""The form of a pot's content."""
 
 
 def load_scenario(path: str | Path) -> Scenario:
@@ -54,7 +54,7 @@ def read_scenario(text: str, where: str, name: str | None = None) -> Scenario:
     Args:
         text: The YAML.
         where: The file's name, for messages.
-        name: What the id has to be; by default anything will do.
+        name: The id that the file must have; by default any.
 
     Raises:
         ScenarioError: Something is wrong; names the line.
@@ -92,7 +92,7 @@ def read_scenario(text: str, where: str, name: str | None = None) -> Scenario:
 
 
 class _Reader:
-    """Takes the values of a document one by one."""
+    """Reads the values of a document one by one."""
 
     def __init__(self, document: Document) -> None:
         self._document, self._data = document, document.data
@@ -194,7 +194,7 @@ class _Reader:
         return Soup((onions, 0))
 
     def script(self) -> Mapping[str, Any]:
-        """Gives what is said of B besides hands and direction."""
+        """Returns what the file says of B besides hands and direction."""
         return {key: value for key, value in self._mapping("B").items() if key not in CHEF_KEYS}
 
     def behaviour(self, layout: Layout) -> Behaviour:
@@ -209,7 +209,7 @@ class _Reader:
         return behaviour
 
     def _check_places(self, script: Mapping[str, Any], layout: Layout, path: tuple[str, ...]) -> None:
-        """Checks that the cells that a behaviour names are there; `then` is a behaviour, or a cell, too."""
+        """Checks that the cells of a behaviour exist; `then` is a behaviour, or a cell."""
         then = script.get("then")
         named = [("counters", "X", cell) for cell in script.get("counters", ())]
         named += [("cells", " ", cell) for cell in script.get("cells", ())]

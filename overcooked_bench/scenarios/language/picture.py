@@ -85,7 +85,7 @@ def _misfit(letter: str, tile: str) -> str:
         return "" if tile == " " else f"but chefs stand on the floor and the layout has {tile!r} there"
     if letter not in LYING:
         return "" if letter == tile else f"but the layout has {tile!r} there"
-    where = "lies on a counter (X); capital O, T, D and S are dispensers and the serving tile"
+    where = "is for an object on a counter (X); capital O, T, D and S are dispensers and the serving tile"
     return "" if tile == "X" else f"which {where}, and the layout has {tile!r} there"
 
 

@@ -28,7 +28,7 @@ from overcooked_bench.scenarios.language.terms import (
 from overcooked_bench.shelf import guess
 
 LONGEST: Final = 500
-"""Characters of a condition."""
+"""Most characters of a condition."""
 
 _GREATEST: Final = 10_000
 _CHEFS: Final = ("A", "B")
@@ -62,7 +62,7 @@ def parse_condition(text: str, layout: Layout) -> Condition:
 
     Args:
         text: The condition.
-        layout: The kitchen it is about: pots, counters and cells have to be there.
+        layout: The kitchen: its pots, counters and cells must contain those of the condition.
 
     Raises:
         PredicateError: It is not in the language, or names what the kitchen does not have.
@@ -78,13 +78,13 @@ def parse_condition(text: str, layout: Layout) -> Condition:
 
 
 def parse_any_of(texts: Sequence[str], layout: Layout) -> Condition:
-    """Reads a list of conditions, one of which has to hold; `parse_condition` tells the rest."""
+    """Reads a list of conditions, one of which has to hold; see `parse_condition`."""
     parsed = tuple(parse_condition(text, layout) for text in texts)
     return parsed[0] if len(parsed) == 1 else Either(parsed)
 
 
 class _Parser:
-    """Goes through a tree of Python's grammar and takes what is in the language."""
+    """Converts a tree of Python's grammar, and refuses what is not in the language."""
 
     def __init__(self, text: str, layout: Layout) -> None:
         self._text, self._layout = text, layout

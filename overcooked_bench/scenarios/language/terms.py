@@ -1,4 +1,4 @@
-"""The conditions of scenarios as trees: what they mean at one moment, and what they are called in the mirror.
+"""The conditions of scenarios as trees, with their value at one moment and their mirror image.
 
 Axes: N kitchens (rows), all with chef A on the same seat.
 """
@@ -36,8 +36,8 @@ class Moment(NamedTuple):
     Attributes:
         layout: Their layout.
         rows: (N, ...) uint16, the rows of their batch.
-        seat: Chef A's.
-        counts: What was counted so far, (N,) int64 each.
+        seat: Chef A's seat.
+        counts: Counts so far, (N,) int64 each.
     """
 
     layout: Layout
@@ -46,20 +46,20 @@ class Moment(NamedTuple):
     counts: Mapping[Counter, NDArray[np.int64]]
 
     def chef(self, name: str) -> int:
-        """Gives the seat of "A" or "B"."""
+        """Returns the seat of "A" or "B"."""
         return self.seat if name == "A" else 1 - self.seat
 
     def position(self, name: str) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Gives a chef's x and y."""
+        """Returns a chef's x and y."""
         cell = self.rows[:, POSITION + self.chef(name)].astype(np.int64)
         return cell % self.layout.width, cell // self.layout.width
 
     def cell(self, x: int, y: int) -> NDArray[np.uint16]:
-        """Gives the codes of the cell at (x, y)."""
+        """Returns the codes of the cell at (x, y)."""
         return self.rows[:, CELLS + y * self.layout.width + x]
 
     def pot(self, number: int) -> NDArray[np.uint16]:
-        """Gives the codes of a pot, numbered from 1."""
+        """Returns the codes of a pot, numbered from 1."""
         return self.cell(*self.layout.positions("P")[number - 1])
 
 
@@ -67,15 +67,15 @@ class Term:
     """A part of a condition. Subclasses are frozen dataclasses; `str` writes them as the language does."""
 
     def value(self, moment: Moment) -> NDArray[Any]:
-        """Gives its value in each kitchen, (N,): bool for conditions, whole numbers for the rest."""
+        """Returns its value in each kitchen, (N,): bool for conditions, whole numbers for other terms."""
         raise NotImplementedError
 
     def mirrored(self, layout: Layout) -> "Term":
-        """Gives what means the same in the mirror image of a layout."""
+        """Returns the term that means the same in the mirror image of a layout."""
         return self
 
     def parts(self) -> Iterator["Term"]:
-        """Lists itself and all that it consists of."""
+        """Lists itself and all its parts."""
         yield self
 
 
@@ -83,7 +83,7 @@ class Condition(Term):
     """A term that is true or false."""
 
     def mirrored(self, layout: Layout) -> "Condition":
-        """Gives the condition that means the same in the mirror image of a layout."""
+        """Returns the condition that means the same in the mirror image of a layout."""
         return self
 
     @property
@@ -93,7 +93,7 @@ class Condition(Term):
 
     @property
     def counters(self) -> dict[Counter, int]:
-        """What has to be counted for it: counter -> a count that is as good as any greater one."""
+        """The counters that it needs: counter -> a count that is equivalent to any greater one."""
         limits: dict[Counter, int] = {}
         for part in self.parts():
             if isinstance(part, Compare) and isinstance(part.left, Count):
@@ -118,7 +118,7 @@ class Number(Term):
 
 @dataclass(frozen=True)
 class Item(Term):
-    """The name of a thing."""
+    """The name of an object."""
 
     name: str
 
@@ -166,7 +166,7 @@ class Coordinate(Term):
 
 @dataclass(frozen=True)
 class Distance(Term):
-    """Columns plus rows between the chefs, whatever stands between them."""
+    """Columns plus rows between the chefs, ignoring walls and counters."""
 
     def value(self, moment: Moment) -> NDArray[Any]:
         """The distance, 1 side by side."""
@@ -179,7 +179,7 @@ class Distance(Term):
 
 @dataclass(frozen=True)
 class PotSize(Term):
-    """How many ingredients are in a pot, cooked ones too."""
+    """The number of ingredients in a pot, cooked ones too."""
 
     pot: int
 
@@ -197,7 +197,7 @@ class PotSize(Term):
 
 @dataclass(frozen=True)
 class Lying(Term):
-    """What lies on the counter at (x, y)."""
+    """The object on the counter at (x, y)."""
 
     x: int
     y: int
@@ -216,7 +216,7 @@ class Lying(Term):
 
 @dataclass(frozen=True)
 class Holds(Condition):
-    """Whether a chef holds a thing, or nothing."""
+    """Whether a chef holds a given object, or nothing."""
 
     chef: str
     item: str
@@ -313,7 +313,7 @@ class Not(Condition):
         return Not(self.part.mirrored(layout))
 
     def parts(self) -> Iterator[Term]:
-        """Itself and what it denies."""
+        """Itself and the condition that it negates."""
         yield self
         yield from self.part.parts()
 
@@ -375,7 +375,7 @@ class Either(Condition):
 
 
 def mirrored_pot(layout: Layout, number: int) -> int:
-    """Gives the number that a layout's pot has in the mirror image; both count in reading order from 1."""
+    """Returns the number of a layout's pot in the mirror image; both count in reading order from 1."""
     x, y = layout.positions("P")[number - 1]
     return layout.mirrored().positions("P").index((layout.width - 1 - x, y)) + 1
 

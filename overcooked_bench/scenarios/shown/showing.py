@@ -1,4 +1,4 @@
-"""A scenario told to people: the kitchen drawn, who holds what, what is asked, and the shortest solution as a film."""
+"""Shows a scenario to people: the kitchen, the chefs' hands, the condition, and the frames of a shortest solution."""
 
 from overcooked_bench.kitchen.codes import PICTURE_NAMES
 from overcooked_bench.rendering.text import describe, film
@@ -10,11 +10,11 @@ from overcooked_bench.scenarios.solving.lock import entry_of, known_entry, situa
 
 
 def show(situation: Situation, *, colour: bool = False) -> str:
-    """Draws a situation and says what is asked.
+    """Draws a situation and states its condition.
 
     Args:
-        situation: A scenario from one seat, in one mirror.
-        colour: Whether for a terminal with colours.
+        situation: A scenario from one seat, plain or mirrored.
+        colour: Whether to use a terminal's colours.
     """
     scenario, state = situation.scenario, situation.state
     names = "AB" if situation.seat == 0 else "BA"
@@ -39,7 +39,7 @@ def show(situation: Situation, *, colour: bool = False) -> str:
         lines.append(f"before: {'; '.join(played)}")
     entry = known_entry(scenario)
     budget = scenario.budget or (entry.budget if entry else None)
-    told = f"{budget} steps" if budget else "auto: 1.5 times the shortest solution, and 4"
+    told = f"{budget} steps" if budget else "auto: 1.5 times the shortest solution plus 4"
     lines.append(f"budget: {told}{f'; the shortest solution takes {entry.steps}' if entry else ''}")
     for word, value in (("pair", scenario.pair), ("tags", ", ".join(scenario.tags))):
         lines += [f"{word}: {value}"] if value else []
@@ -47,7 +47,7 @@ def show(situation: Situation, *, colour: bool = False) -> str:
 
 
 def show_solution(situation: Situation, *, colour: bool = False, width: int = 100) -> str:
-    """Draws a shortest solution, step by step; it is searched for where the lock file has none, which takes seconds.
+    """Draws a shortest solution step by step; if the lock file has none, it searches for one, which takes seconds.
 
     Raises:
         ScenarioError: There is none.

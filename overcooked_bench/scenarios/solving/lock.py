@@ -1,4 +1,4 @@
-"""`scenarios.lock`: shortest solutions and budgets, found by search and kept beside the scenarios."""
+"""`scenarios.lock`: shortest solutions and budgets, found by search and kept in the scenarios' folder."""
 
 import json
 from collections.abc import Callable, Iterable
@@ -48,7 +48,7 @@ class Witness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What is known of a scenario.
+    """A scenario's solutions and budget.
 
     Attributes:
         definition: Hash of what the solutions depend on.
@@ -67,7 +67,7 @@ class Lock(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A lock file.
 
     Attributes:
-        version: Of the form of the file.
+        version: Version of the file format.
         scenarios: Entries by id.
     """
 
@@ -75,18 +75,18 @@ class Lock(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     scenarios: dict[str, Entry] = {}
 
     def entry(self, scenario: Scenario) -> Entry | None:
-        """Returns a scenario's entry; None if there is none, or if it is not what a search could have written."""
+        """Returns a scenario's entry; None if there is none, or if no search could have written it."""
         found = self.scenarios.get(scenario.id)
         return found if found and found.definition == definition(scenario) and _consistent(found, scenario) else None
 
 
 def budget_for(category: str, steps: int) -> int:
-    """Gives the budget of a scenario whose shortest solution takes so many steps."""
+    """Returns the budget of a scenario whose shortest solution takes this many steps."""
     return steps + 1 if category == "horizon" else ceil(1.5 * steps) + 4
 
 
 def definition(scenario: Scenario) -> str:
-    """Gives a hash of all that a scenario's solutions and budget depend on."""
+    """Returns a hash of all that a scenario's solutions and budget depend on."""
     return _definition(scenario)
 
 
@@ -102,7 +102,7 @@ def _definition(scenario: Scenario) -> str:
 
 
 def situations(scenario: Scenario) -> dict[str, Situation]:
-    """Gives a scenario from both seats in both mirrors, by the names that the lock file uses."""
+    """Returns a scenario from both seats, plain and mirrored, by the names that the lock file uses."""
     return {
         f"seat{seat}" + "-mirrored" * mirrored: scenario.seated(seat, mirrored)
         for seat in SEATS
@@ -111,12 +111,12 @@ def situations(scenario: Scenario) -> dict[str, Situation]:
 
 
 def lock_path(scenario: Scenario) -> Path:
-    """Gives the lock file that belongs to a scenario: the one beside its file."""
+    """Returns a scenario's lock file, which is in the same folder."""
     return Path(scenario.source).parent / LOCK_FILE
 
 
 def read_lock(path: str | Path) -> Lock:
-    """Reads a lock file; an empty lock where there is no file.
+    """Reads a lock file; returns an empty lock if there is no file.
 
     Raises:
         ScenarioError: The file is damaged.
@@ -163,21 +163,21 @@ def write_lock(
     scenarios: Iterable[Scenario],
     on_entry: Callable[[Scenario, Entry], None] = lambda *_: None,
     *,
-    anew: bool = False,
+    afresh: bool = False,
 ) -> Lock:
-    """Brings a lock file up to date: solves what is new or changed, drops what is gone, and writes the rest as it was.
+    """Updates a lock file: solves new and changed scenarios, drops removed ones, and keeps the rest.
 
     Args:
         path: The file.
-        scenarios: All that belong into it.
+        scenarios: All scenarios that belong in it.
         on_entry: Called with each scenario and its entry.
-        anew: Whether to solve everything again.
+        afresh: Whether to solve everything again.
 
     Raises:
         ScenarioError: A scenario cannot be solved from some seat or in some mirror; nothing is written then.
     """
     file = Path(path)
-    old = Lock() if anew else read_lock(file)
+    old = Lock() if afresh else read_lock(file)
     entries: dict[str, Entry] = {}
     for scenario in sorted(scenarios, key=lambda s: s.id):
         entries[scenario.id] = old.entry(scenario) or solve_scenario(scenario)
@@ -188,7 +188,7 @@ def write_lock(
 
 
 def lock_text(lock: Lock) -> str:
-    """Writes a lock as JSON, sorted, one witness a line, so that a change reads well."""
+    """Writes a lock as JSON, sorted, one witness per line, so that diffs are easy to read."""
     blocks = []
     for name, entry in sorted(lock.scenarios.items()):
         witnesses = ",\n".join(
@@ -220,7 +220,7 @@ def solve_scenario(scenario: Scenario) -> Entry:
         if found is None:
             raise ScenarioError(
                 f"{scenario.source}: {scenario.id} cannot be solved from {key.replace('-', ', ')} in {limit} steps; "
-                "mend the kitchen, what B does, or what is asked"
+                "change the kitchen, B's behaviour, or the condition"
             )
         witnesses[key] = Witness(found.steps, "".join(ACTION_LETTERS[action] for action in found.actions))
     steps = max(witness.steps for witness in witnesses.values())
@@ -228,7 +228,7 @@ def solve_scenario(scenario: Scenario) -> Entry:
 
 
 def entry_of(scenario: Scenario) -> Entry:
-    """Gives a scenario's entry: from the lock file beside it, or else by a search, which takes seconds.
+    """Returns a scenario's entry: from the lock file in its folder, or else by a search, which takes seconds.
 
     Raises:
         ScenarioError: The lock file is damaged, or the scenario cannot be solved.
@@ -239,7 +239,7 @@ def entry_of(scenario: Scenario) -> Entry:
 def known_entry(scenario: Scenario) -> Entry | None:
     """Returns a scenario's entry if the lock file has it, or it was searched before; else None.
 
-    The solutions of a lock file that does not ship with the package are played once before they are believed.
+    The solutions of a lock file that does not ship with the package are played once before they are trusted.
 
     Raises:
         ScenarioError: The lock file is damaged.
@@ -253,7 +253,7 @@ def known_entry(scenario: Scenario) -> Entry | None:
 
 
 def budget_of(scenario: Scenario) -> int:
-    """Gives the steps that A has: the file's number, or else that of `entry_of`."""
+    """Returns the steps that A has: the file's number, or else that of `entry_of`."""
     return scenario.budget or entry_of(scenario).budget
 
 
@@ -267,12 +267,12 @@ def unused(lock: Lock, scenarios: Iterable[Scenario]) -> list[str]:
 
 
 def stale(lock: Lock, scenarios: Iterable[Scenario]) -> list[str]:
-    """Lists the ids of scenarios that a lock does not know, or knows otherwise."""
+    """Lists the ids of scenarios that a lock does not contain, or contains with another definition."""
     return sorted(scenario.id for scenario in scenarios if lock.entry(scenario) is None)
 
 
 def main() -> None:
-    """Brings the lock file of the scenarios that ship up to date."""
+    """Updates the lock file of the scenarios that ship."""
     folder = shipped_folder()
     write_lock(folder / LOCK_FILE, read_files([folder]), lambda s, entry: print(s.id, entry.steps, entry.budget))
 

@@ -1,7 +1,7 @@
-"""What two scenarios have to stand to be a pair.
+"""Checks of pairs of scenarios.
 
-A pair of the category `memory` looks the same when A is asked for the first time, and cannot be passed by one who does
-not know what was before. Any other pair is about what must not matter: its halves differ in things that lie far away.
+A pair of the category `memory` looks the same when A is asked for the first time, and no agent without memory of what
+happened before can pass it. Any other pair is about what must not matter: its halves differ in objects far away.
 """
 
 from overcooked_bench.kitchen.codes import PICTURE_NAMES
@@ -13,7 +13,7 @@ from overcooked_bench.scenarios.solving.solver import search_for
 
 
 def pair_faults(one: Scenario, other: Scenario) -> list[str]:
-    """Says what is wrong with a pair, each in a sentence; nothing where it is one."""
+    """Lists what is wrong with a pair, one sentence each; an empty list if nothing is."""
     if one.category == "memory":
         return _faults_of_memory(one, other)
     return _faults_of_invariance(one, other)
@@ -23,10 +23,10 @@ def _faults_of_memory(one: Scenario, other: Scenario) -> list[str]:
     faults = []
     for half in (one, other):
         if not half.before:
-            return [f"{half.id} has no `before`; a memory pair is told apart by what was before"]
+            return [f"{half.id} has no `before`; the halves of a memory pair differ in what happened before"]
         faults += _faults_of_history(half.seated(0))
     if len(one.before) != len(other.before):
-        faults.append("one `before` is longer than the other, so that the clock tells them apart")
+        faults.append("one `before` is longer than the other, so the clock gives away which one it is")
     for seat in SEATS:
         try:
             ways = unknowing(one.seated(seat), other.seated(seat), (budget_of(one), budget_of(other)))
@@ -42,26 +42,24 @@ def _faults_of_memory(one: Scenario, other: Scenario) -> list[str]:
 
 
 def _faults_of_history(situation: Situation) -> list[str]:
-    """Compares what B does before with what it would do by its own rule."""
+    """Compares B's actions in `before` with those of its behaviour."""
     behaviour, name = situation.behaviour, situation.scenario.id
     if any(behaviour.phase(t) for t in range(len(situation.before) + 1)):
-        return [f"B of {name} goes by the clock, so that nothing before tells what it will do"]
+        return [f"B of {name} goes by the clock, so nothing before says what it will do"]
     search = search_for(situation)
     row, counts = search.row(situation.state), search.no_counts()
     for t, joint in enumerate(situation.before):
         action = search.answer(row, behaviour, 0)
         if action != joint[situation.partner_seat]:
             did = PICTURE_NAMES[joint[situation.partner_seat]]
-            return [
-                f"B of {name} does {did} at step {t} of `before`; by its own rule it would do {PICTURE_NAMES[action]}"
-            ]
+            return [f"B of {name} does {did} at step {t} of `before`; its behaviour would do {PICTURE_NAMES[action]}"]
         row, _ = search.step(row, counts, joint)
     return []
 
 
 def _faults_of_invariance(one: Scenario, other: Scenario) -> list[str]:
     if _essence(one) != _essence(other) or one.state.objects == other.state.objects:
-        return ["the halves of a pair of another category than memory differ in what lies on counters, and only there"]
+        return ["halves of a pair that is not about memory must differ in the objects on counters, and only there"]
     faults = []
     for first, second in ((one, other), (other, one)):
         witnesses = entry_of(first).witnesses
@@ -72,7 +70,7 @@ def _faults_of_invariance(one: Scenario, other: Scenario) -> list[str]:
 
 
 def _essence(scenario: Scenario) -> list[object]:
-    """Gives all but what lies on counters."""
+    """Returns everything except the objects on counters."""
     layout, state = scenario.layout, scenario.state
     pots = [state.objects.get(cell) for cell in layout.positions("P")]
     goal = str(scenario.accept), str(scenario.never), scenario.budget

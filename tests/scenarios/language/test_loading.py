@@ -112,7 +112,7 @@ def test_what_is_wrong_is_told_with_its_line(changes, line, message):
 PICTURES = {
     "tile": ("  O A O", "  O A X", 6, r"column 4 \(from 0\) is 'X', but the layout has 'O'"),
     "chef_in_wall": ("  O A O", "  A   O", 6, "chefs stand on the floor"),
-    "thing_on_floor": ("  O A O", "  Oo AO", 6, "lies on a counter"),
+    "thing_on_floor": ("  O A O", "  Oo AO", 6, "is for an object on a counter"),
     "two_chefs": ("  X  BX", "  X AAX", 7, "second time"),
     "no_chef": ("  O A O", "  O   O", 5, "no chef A"),
     "too_wide": ("  O A O", "  O A OX", 6, "the layout is 5 wide"),

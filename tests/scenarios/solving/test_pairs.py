@@ -27,7 +27,7 @@ def memory(**changes):
 
 def test_b_keeps_to_its_rule_before():
     first = pair_faults(memory(), memory(before="{A: [down], B: [left]}"))
-    assert first[0] == "B of T06-moves does left at step 0 of `before`; by its own rule it would do right"
+    assert first[0] == "B of T06-moves does left at step 0 of `before`; its behaviour would do right"
 
 
 FAULTY = {
@@ -73,4 +73,4 @@ DIFFERENT = {
 def test_halves_differ_in_what_lies_about_alone(changes):
     one = scenario(POT) if not changes else cluttered("XDoSX")
     (fault,) = pair_faults(one, scenario(POT, **{"budget": "auto"} | changes))
-    assert "differ in what lies on counters, and only there" in fault
+    assert "differ in the objects on counters, and only there" in fault
