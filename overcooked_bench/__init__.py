@@ -13,8 +13,13 @@ from overcooked_bench.envs.registration import register_environments
 if TYPE_CHECKING:
     from overcooked_bench.agents.agent import UnknownLayout
     from overcooked_bench.agents.catalogue import load_agent
+    from overcooked_bench.agents.pools.pool import Pool
     from overcooked_bench.envs.parallel import parallel_env
+    from overcooked_bench.evaluation.compare import compare
     from overcooked_bench.evaluation.games.play import play_episodes
+    from overcooked_bench.evaluation.pools.crossplay import cross_play
+    from overcooked_bench.evaluation.score import score
+    from overcooked_bench.evaluation.scores import read_scores
     from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
     from overcooked_bench.kitchen.layout import Layout, LayoutError
     from overcooked_bench.kitchen.state import Chef, KitchenState, Soup
@@ -26,13 +31,18 @@ _HOMES = {
     "Kitchens": "kitchen.kitchens",
     "Layout": "kitchen.layout",
     "LayoutError": "kitchen.layout",
+    "Pool": "agents.pools.pool",
     "Soup": "kitchen.state",
     "StepResult": "kitchen.kitchens",
     "UnknownLayout": "agents.agent",
+    "compare": "evaluation.compare",
+    "cross_play": "evaluation.pools.crossplay",
     "load_agent": "agents.catalogue",
     "parallel_env": "envs.parallel",
     "play_episodes": "evaluation.games.play",
+    "read_scores": "evaluation.scores",
     "run_scenarios": "scenarios.runner",
+    "score": "evaluation.score",
 }
 
 register_environments()
@@ -43,13 +53,18 @@ __all__ = [
     "Kitchens",
     "Layout",
     "LayoutError",
+    "Pool",
     "Soup",
     "StepResult",
     "UnknownLayout",
+    "compare",
+    "cross_play",
     "load_agent",
     "parallel_env",
     "play_episodes",
+    "read_scores",
     "run_scenarios",
+    "score",
 ]
 
 

@@ -9,7 +9,8 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
-from overcooked_bench.commands.common import Parser
+from overcooked_bench.commands.common import Parser, printable_everywhere
+from overcooked_bench.commands.compare import add_compare
 from overcooked_bench.commands.crossplay import add_crossplay
 from overcooked_bench.commands.listing import add_list
 from overcooked_bench.commands.pool import add_pool
@@ -21,7 +22,7 @@ from overcooked_bench.errors import OvercookedBenchError
 from overcooked_bench.processes import sigterm_as_ctrl_c
 
 COMMANDS: Final[list[Callable[[Any], None]]] = [
-    *(add_score, add_replay, add_crossplay, add_scenarios),
+    *(add_score, add_compare, add_replay, add_crossplay, add_scenarios),
     *(add_train, add_pool, add_list),
 ]
 """What declares each command, in the order of `--help`."""
@@ -36,6 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         The exit code.
     """
+    printable_everywhere()
     with sigterm_as_ctrl_c():
         return _run(list(sys.argv[1:] if arguments is None else arguments))
 

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 import re
 import shlex
 import subprocess
@@ -9,6 +10,7 @@ import sys
 import time
 from importlib import import_module
 from importlib.metadata import version
+from pathlib import Path
 
 import pytest
 
@@ -16,6 +18,7 @@ from overcooked_bench import cli
 from overcooked_bench.commands import listing
 from tests.evaluation.made import protocol_text, write_agent
 
+OLD = Path(__file__).parent / "data" / "upgrades" / "score-1"
 PROGRAM = [sys.executable, "-c", "import sys; from overcooked_bench.cli import main; sys.exit(main())"]
 
 
@@ -79,7 +82,6 @@ def test_replay_shows_and_writes(scored, home):
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        (["score", "bad.py"], 1, "cramped_room, training seed 0, episode 0, partner"),
         (["score", "gredy"], 2, "did you mean 'greedy'"),
         (["score", "missing.py"], 2, "no such file"),
         (["score", "greedy", "--layouts", "cramped_rom"], 2, "does not play cramped_rom"),
@@ -107,6 +109,15 @@ def test_mistakes_end_in_one_message(arguments, code, words, home, monkeypatch, 
     assert said.startswith("overcooked-bench: ")
     assert said.count("\n") == 1
     assert words in said
+    assert "Traceback" not in said
+
+
+def test_faults_of_the_agent_are_listed_at_the_end(home, monkeypatch, capsys):
+    monkeypatch.chdir(home)
+    assert cli.main(["score", "bad.py", "--protocol", "tiny.yaml", "--workers", "1", "--no-scenarios"]) == 1
+    said = capsys.readouterr().err
+    assert "overcooked-bench: cramped_room, training seed 0, episode 0, partner" in said
+    assert "overcooked-bench: cramped_room, training seed 0, episode 1, partner" in said
     assert "Traceback" not in said
 
 
@@ -183,3 +194,22 @@ def test_sigterm_is_ctrl_c(home):
     assert process.returncode == 130
     assert "goes on from there" in said
     assert "Traceback" not in said
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
+def test_a_terminal_that_lacks_a_character_is_no_traceback(encoding, home):
+    environment = {**os.environ, "PYTHONUTF8": "0", "PYTHONIOENCODING": encoding}
+    arguments = ["compare", *[str(OLD)] * 2, "--metric", "threshold"]
+    done = subprocess.run([*PROGRAM, *arguments], cwd=home, capture_output=True, env=environment)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b">=1" in done.stdout
+
+
+def test_names_in_brackets_are_printed_as_they_are(home, monkeypatch, capsys):
+    monkeypatch.chdir(home)
+    for folder in ("[red]out", "[/b]"):
+        arguments = ["--protocol", "tiny.yaml", "--workers", "1", "--no-scenarios", "--output", folder]
+        assert cli.main(["score", "script:{does: script, actions: [up, interact]}", *arguments]) == 0
+        assert f"{folder}/report.html  the report" in capsys.readouterr().out
+    assert cli.main(["score", "script:{does: script, actions: [up, interact]}", *arguments]) == 0
+    assert "nothing was played: every block was in [/b] already" in capsys.readouterr().out

@@ -1,9 +1,11 @@
 """What the commands share: how they are declared, options that many have, and how they show what they do."""
 
 import argparse
+import codecs
+import io
 import sys
 from collections.abc import Callable
-from typing import Any, NoReturn
+from typing import Any, Final, NoReturn
 
 from overcooked_bench.errors import WrongUse
 
@@ -135,6 +137,24 @@ def console() -> Any:
     from rich.console import Console
 
     return Console(width=None if sys.stdout.isatty() else 100)
+
+
+_PLAIN: Final = {"≥": ">=", "≤": "<=", "·": "-", "…": "...", "×": "x", "→": "->", "─": "-"}
+"""What is printed instead of characters that a terminal does not have."""
+
+
+def printable_everywhere() -> None:
+    """Makes standard output and error print any text, also where the encoding lacks a character."""
+
+    def replaced(error: UnicodeError) -> tuple[str, int]:
+        assert isinstance(error, UnicodeEncodeError)
+        text = error.object[error.start : error.end]
+        return "".join(_PLAIN.get(character, "?") for character in text), error.end
+
+    codecs.register_error("overcooked_bench", replaced)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="overcooked_bench")
 
 
 class ProgressBar:

@@ -1,6 +1,7 @@
-"""`overcooked-bench score`: play an agent with every partner of a pool."""
+"""`overcooked-bench score`: plays an agent with every partner of a pool."""
 
 import argparse
+import sys
 from typing import TYPE_CHECKING, Any
 
 from overcooked_bench.commands.common import (
@@ -36,7 +37,7 @@ def add_score(commands: Any) -> None:
     )
     parser.add_argument("--protocol", metavar="NAME|FILE", help="what is played (default: the newest shipped protocol)")
     parser.add_argument("--pool", metavar="NAME|FOLDER", help="another pool than the protocol's")
-    add_layouts(parser, "some of the protocol's layouts")
+    add_layouts(parser, "some of the protocol's layouts; only a score on all of them has an overall value")
     add_output(parser, "scores/<agent>-<protocol>")
     add_workers(parser)
     add_engine(parser)
@@ -57,17 +58,15 @@ def add_score(commands: Any) -> None:
 
 
 def _score(options: argparse.Namespace) -> int:
-    from overcooked_bench.commands.score_card import play_scenarios
-    from overcooked_bench.evaluation import score as scoring
     from overcooked_bench.evaluation.games.engines import default_workers
-    from overcooked_bench.evaluation.protocol import NEWEST, load_protocol
-    from overcooked_bench.scenarios.errors import ScenarioFault
+    from overcooked_bench.evaluation.playing import summary_of
+    from overcooked_bench.evaluation.protocol import NEWEST
+    from overcooked_bench.evaluation.score import score
 
-    protocol, fault = load_protocol(options.protocol or NEWEST), None
-    with ProgressBar("compiling and loading") as tell:
-        scored = scoring.score(
+    with ProgressBar("compiling and loading") as report:
+        scored = score(
             options.agent,
-            protocol=protocol,
+            protocol=options.protocol or NEWEST,
             pool=options.pool,
             layouts=options.layouts,
             output=options.output,
@@ -76,40 +75,42 @@ def _score(options: argparse.Namespace) -> int:
             seed=options.seed,
             salt=options.salt,
             act_timeout=options.act_timeout,
-            on_progress=lambda at: tell(at.layout, at.blocks, at.of),
+            scenarios=options.scenarios,
+            on_progress=lambda at: report(at.what, at.done, at.of),
         )
-        if options.scenarios:
-            try:
-                card = play_scenarios(options.agent, scored, options.layouts, on_progress=tell)
-                scored = scoring.with_scenarios(scored, card) if card else scored
-            except ScenarioFault as error:  # the score stands
-                fault = error
     if options.json:
-        print((scored.folder / scoring.SCORES_FILE).read_text("utf-8"), end="")
+        print(scored.scores.to_json(), end="")
     else:
         _print_score(scored)
-    if fault:
-        raise fault
+    if scored.unwritten:
+        print(f"overcooked-bench: nothing was written: {scored.unwritten}", file=sys.stderr)
+    if scored.scores.faults:
+        for line in summary_of(scored.scores.faults):
+            print(f"overcooked-bench: {line}", file=sys.stderr)
+        return 1
     return 0
 
 
 def _print_score(scored: "Scored") -> None:
-    from overcooked_bench.commands.score_card import SCENARIOS_FILE
-    from overcooked_bench.evaluation import score as scoring
-    from overcooked_bench.evaluation.shown.tables import score_tables
+    from rich.text import Text
 
-    scores, folder = scored
-    shown = console()
-    shown.print(score_tables(scores))
+    from overcooked_bench.evaluation.scores import CURVE_FILE, EPISODES_FILE, REPORT_FILE, SCENARIOS_FILE, SCORES_FILE
+    from overcooked_bench.evaluation.shown.terminal import score_tables
+
+    folder, shown = scored.folder, console()
+    shown.print(score_tables(scored.scores))
+    lines = []
+    if not scored.episodes and scored.scores.layouts:
+        lines.append(f"nothing was played: every block was in {folder} already")
     for file, what in (
-        (scoring.REPORT_FILE, "the report"),
-        (scoring.SCORES_FILE, "the numbers"),
-        (scoring.CURVE_FILE, "the ordered curve"),
-        (scoring.EPISODES_FILE, "every episode"),
+        (REPORT_FILE, "the report"),
+        (SCORES_FILE, "the numbers"),
+        (CURVE_FILE, "the ordered curve"),
+        (EPISODES_FILE, "every episode"),
         (SCENARIOS_FILE, "every scenario"),
     ):
-        if (folder / file).is_file() and (file != SCENARIOS_FILE or scores.scenarios):
-            shown.print(f"{folder / file}  {what}", highlight=False, markup=False, style="dim")
-    shown.print(
-        f"watch the worst one: overcooked-bench replay {folder} --worst", highlight=False, markup=False, style="dim"
-    )
+        if (folder / file).is_file() and (file != SCENARIOS_FILE or scored.scores.scenarios):
+            lines.append(f"{folder / file}  {what}")
+    lines.append(f"watch the worst one: overcooked-bench replay {folder} --worst")
+    for line in lines:
+        shown.print(Text(line, style="dim"), soft_wrap=True)

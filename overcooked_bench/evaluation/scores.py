@@ -1,120 +1,97 @@
-"""`Scores`: what score.json says."""
+"""`Scores`: what score.json says, and how older ones are read."""
 
+import os
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Final
 
 import msgspec
 
+from overcooked_bench.documents import read_json
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.estimate import Estimate
-from overcooked_bench.evaluation.protocol import Protocol, upgrade
+from overcooked_bench.evaluation.cells import PartnerLabel
+from overcooked_bench.evaluation.metric import MetricFacts
+from overcooked_bench.evaluation.protocol import Protocol
+from overcooked_bench.evaluation.score_upgrades import from_1
 from overcooked_bench.files import write_whole
-from overcooked_bench.kitchen.layout import DEFAULT_SOUP_REWARD
 
-SCHEMA: Final = 1
+SCHEMA: Final = 2
+
+EPISODES_FILE: Final = "episodes.sqlite"
+SCORES_FILE: Final = "score.json"
+CURVE_FILE: Final = "curve.png"
+REPORT_FILE: Final = "report.html"
+SCENARIOS_FILE: Final = "scenarios.json"
+
+MEAN: Final = "mean"
+"""The metric that scores are ranked by."""
+
+UPGRADES: Final[dict[int, Callable[[dict[str, Any]], dict[str, Any]]]] = {1: from_1}
+"""Schema -> what turns a score.json of it into one of the next schema."""
+
+_MOST_BYTES: Final = 64_000_000
 
 
 class ScoresError(WrongUse):
     """A score.json cannot be read; the message names the file and the entry."""
 
 
-class Cell(msgspec.Struct, frozen=True):
-    """The scored agent with one partner on one layout.
+class Row(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """One number: a metric, what it is about, and its interval. Keys that are left out are null.
 
     Attributes:
-        partner: The partner's name.
-        kind: "trained", "scripted" or "floor".
-        sha256: Hash of what the partner is.
-        mean: Points an episode, averaged over seats.
-        seats: The same with the scored agent on each of the protocol's seats.
-        ego_soups: Soups an episode that the scored agent delivered.
-        partner_soups: Soups an episode that the partner delivered.
-        is_ego: Whether the partner is the scored agent itself.
+        metric: Its name; `Scores.metrics` says how to show it.
+        params: What it was computed with, such as `{"soups": 3}`.
+        layout: On this layout; null for the mean over all layouts of the protocol.
+        seat: With the scored agent on this seat; null for all seats.
+        stratum: With the partners of this stratum; null for all that count.
+        partner: With this partner.
+        value: The number.
+        low: Lower end of its 95 % interval, null if the data give none; `Scores.interval` says what it is about.
+        high: Upper end.
+        per_repetition: The number of each independent repetition, which are the training seeds or, of a single one, the
+            episode blocks; null in scores of schema 1.
     """
 
-    partner: str
-    kind: str
-    sha256: str
-    mean: Estimate
-    seats: tuple[Estimate, ...]
-    ego_soups: float
-    partner_soups: float
-    is_ego: bool
+    metric: str
+    params: dict[str, float] = {}
+    layout: str | None = None
+    seat: int | None = None
+    stratum: str | None = None
+    partner: str | None = None
+    value: float
+    low: float | None = None
+    high: float | None = None
+    per_repetition: tuple[float, ...] | None = None
+
+    @property
+    def estimate(self) -> Estimate:
+        """The number with its interval."""
+        return Estimate(self.value, self.low, self.high)
+
+    @property
+    def about(self) -> tuple[Any, ...]:
+        """What the number is about: equal for rows of two scores that can be compared."""
+        return self.metric, tuple(sorted(self.params.items())), self.layout, self.seat, self.stratum, self.partner
 
 
-class ThresholdScore(msgspec.Struct, frozen=True):
-    """How many partners reach a number of soups.
-
-    Attributes:
-        soups: The level.
-        reached: Partners with a mean of at least that, of `LayoutScore.partners`.
-        share: The same as a share.
-        undecided: Partners whose mean lies within two standard errors of the level; they count where their mean is.
-            Null where no error is known: a single episode of a single training run.
-    """
-
-    soups: float
-    reached: Estimate
-    share: float
-    undecided: int | None
-
-
-class CurvePoint(msgspec.Struct, frozen=True):
-    """One point of the ordered curve.
-
-    Attributes:
-        rank: 1 for the worst partner, whoever that is for each training seed.
-        mean: Points an episode; the interval is pointwise, and there is none for a single training run.
-        low_quantile: Type-7 0.15-quantile over training seeds; null for a single one.
-    """
-
-    rank: int
-    mean: Estimate
-    low_quantile: float | None
-
-
-class LayoutScore(msgspec.Struct, frozen=True):
-    """The scores on one layout.
+class LayoutFacts(msgspec.Struct, frozen=True):
+    """What was played on one layout.
 
     Attributes:
         layout: Its name.
         adapted: Whether the agent was given the mirror image, because it knows the layout only that way round.
-        partners: Partners that count.
-        mean: Points an episode, averaged over partners and seats.
-        seats: The same with the scored agent on each of the protocol's seats.
-        thresholds: One for each of the protocol's levels.
-        tail_quantile: 0.15-quantile over partners, averaged over training seeds, points.
-        tail_mean: Mean over the worst 15 % of the partners, averaged over training seeds, points.
-        low_quantile: What is known about the 0.15-quantile over training seeds, in words; null for a single one.
-        curve: Partners in ascending order.
-        cells: The partners that count, in the order of their means; equals by name.
-        floors: The partners that do not, by name.
-        soup_points: Points of one soup here, the unit of `thresholds`.
+        soup_points: Points of one soup there, the unit of thresholds.
+        partners: Those that count, then the floors.
+        remark: What is known about the 0.15-quantile over training seeds, in words; null for a single one.
     """
 
     layout: str
     adapted: bool
-    partners: int
-    mean: Estimate
-    seats: tuple[Estimate, ...]
-    thresholds: tuple[ThresholdScore, ...]
-    tail_quantile: Estimate
-    tail_mean: Estimate
-    low_quantile: str | None
-    curve: tuple[CurvePoint, ...]
-    cells: tuple[Cell, ...]
-    floors: tuple[Cell, ...]
-    soup_points: float = float(DEFAULT_SOUP_REWARD)
-
-    @property
-    def worst(self) -> Cell:
-        """The partner with the lowest mean."""
-        return self.cells[0]
-
-    @property
-    def best(self) -> Cell:
-        """The partner with the highest mean."""
-        return self.cells[-1]
+    soup_points: float
+    partners: tuple[PartnerLabel, ...]
+    remark: str | None = None
 
 
 class Source(msgspec.Struct, frozen=True):
@@ -129,6 +106,18 @@ class Source(msgspec.Struct, frozen=True):
     sha256: str
 
 
+class Declined(msgspec.Struct, frozen=True):
+    """A layout that the agent does not play.
+
+    Attributes:
+        layout: Its name.
+        reason: What the agent says.
+    """
+
+    layout: str
+    reason: str
+
+
 class CategoryScore(msgspec.Struct, frozen=True):
     """The scenarios of a category; counts are means over training seeds.
 
@@ -136,7 +125,7 @@ class CategoryScore(msgspec.Struct, frozen=True):
         category: Its name.
         items: Scenarios from both seats in both mirrors; a pair counts once.
         passed: Of them.
-        not_attempted: In kitchens that the agent says it cannot play; failed.
+        not_attempted: In kitchens that the agent declines; failed.
         families: Families of scenarios.
         share: Mean over families of the share passed; the interval is Wilson's for so many families, or with several
             training seeds t over them.
@@ -166,12 +155,12 @@ class ScenarioScore(msgspec.Struct, frozen=True):
     total: CategoryScore
 
 
-class Scores(msgspec.Struct, frozen=True):
+class Scores(msgspec.Struct, frozen=True, kw_only=True):
     """A score.json.
 
     Attributes:
         schema: Version of this form.
-        protocol: What was played.
+        protocol: What was played; the hash is that of `settings.play`.
         settings: The protocol in full.
         agent: Who was scored.
         pool: Who was met; null in scores of protocols that named scripted partners alone.
@@ -179,12 +168,16 @@ class Scores(msgspec.Struct, frozen=True):
         salt: The run's: the protocol's public one in scores that are to be compared, a fresh one in official runs.
         training_seeds: Independent training runs of the agent, S.
         interval: What the intervals are about, and what not.
-        overall: Equal-weight mean over the attempted layouts, points an episode; null where none was attempted. Its
+        overall: Mean return over all layouts of the protocol, each with equal weight; null unless all were played. Its
             interval is over training seeds, or the episode blocks of a single one, each averaged over the layouts.
-        layouts: In the protocol's order.
-        not_attempted: Layouts that the agent says it cannot play.
+        unranked: Why `overall` is null; null if it is not.
+        layouts: Those that were played to the end, in the protocol's order.
+        declined: Those that the agent does not play.
+        faults: What the agent did wrong, each at a named cell or scenario.
+        metrics: How to show each metric of `rows`.
+        rows: All numbers.
+        scenarios: The cooperation scenarios; null if they were not played, or not to the end.
         run: Times, versions and everything else that may differ between two runs of the same score.
-        scenarios: The cooperation scenarios; null where they were not played.
     """
 
     schema: int
@@ -197,30 +190,72 @@ class Scores(msgspec.Struct, frozen=True):
     training_seeds: int
     interval: str
     overall: Estimate | None
-    layouts: tuple[LayoutScore, ...]
-    not_attempted: tuple[str, ...]
+    unranked: str | None
+    layouts: tuple[LayoutFacts, ...]
+    declined: tuple[Declined, ...]
+    faults: tuple[str, ...]
+    metrics: tuple[MetricFacts, ...]
+    rows: tuple[Row, ...]
+    scenarios: ScenarioScore | None
     run: dict[str, Any]
-    scenarios: ScenarioScore | None = None
+
+    def select(self, metric: str | None = None, **about: Any) -> Iterator[Row]:
+        """Yields the rows of a metric, or of all, with the given entries: `select("mean", layout="cramped_room")`."""
+        for row in self.rows:
+            if metric in (None, row.metric) and all(getattr(row, key) == value for key, value in about.items()):
+                yield row
+
+    def find(self, metric: str = MEAN, **about: Any) -> Row | None:
+        """Returns the row of a metric that is about exactly this; other entries are null.
+
+        Args:
+            metric: Its name.
+            **about: `layout`, `seat`, `stratum`, `partner`, `params`.
+        """
+        entries: dict[str, Any] = {"layout": None, "seat": None, "stratum": None, "partner": None, **about}
+        return next(self.select(metric, **entries), None)
+
+    def with_partners(self, layout: LayoutFacts) -> list[tuple[PartnerLabel, Row]]:
+        """Lists a layout's partners that count with their mean returns, worst first; equals by name."""
+        means = {row.partner: row for row in self.select(MEAN, layout=layout.layout, seat=None) if row.partner}
+        pairs = [(label, means[label.name]) for label in layout.partners if label.counts]
+        return sorted(pairs, key=lambda pair: (pair[1].value, pair[0].name))
 
     def write(self, file: str | Path) -> None:
         """Writes score.json, all or nothing."""
-        data = msgspec.json.format(msgspec.json.encode(self), indent=2) + b"\n"
-        write_whole(file, data)
+        write_whole(file, self.to_json())
+
+    def to_json(self) -> str:
+        """Returns the content of score.json."""
+        return msgspec.json.format(msgspec.json.encode(self), indent=2).decode() + "\n"
+
+
+def in_folder(source: str | Path, name: str) -> Path:
+    """Returns a file of a score: the one with this name if `source` is the score's folder, else `source` itself."""
+    path = Path(source)
+    return path / name if os.path.isdir(path) else path
 
 
 def read_scores(file: str | Path) -> Scores:
-    """Reads a score.json.
+    """Reads a score.json of this version or an older one.
+
+    Args:
+        file: The file, or the folder of a score.
 
     Raises:
-        ScoresError: It is missing, not a score.json, or of another schema.
+        ScoresError: It is missing or damaged, not a score.json, or of a newer schema.
     """
+    path = in_folder(file, SCORES_FILE)
+    content: dict[str, Any] = read_json(path, _MOST_BYTES, dict, ScoresError)
+    schema = content.get("schema")
     try:
-        content = msgspec.json.decode(Path(file).read_bytes())
-        content["settings"] = settings = upgrade(content["settings"])
-        content.setdefault("salt", settings["play"]["salt"])
-        scores = msgspec.convert(content, Scores)
-    except (OSError, msgspec.DecodeError, ValueError, LookupError, TypeError) as error:
-        raise ScoresError(f"{file}: not a score.json of this version ({error})") from error
-    if scores.schema != SCHEMA:
-        raise ScoresError(f"{file}: its schema is {scores.schema}; this version reads {SCHEMA}")
-    return scores
+        while schema in UPGRADES:
+            content = UPGRADES[schema](content)
+            schema = content.get("schema")
+        if schema != SCHEMA:
+            raise ScoresError(f"{path}: its schema is {schema!r}; this version reads {SCHEMA} and {list(UPGRADES)}")
+        return msgspec.convert(content, Scores)
+    except ScoresError:
+        raise
+    except (ValueError, LookupError, TypeError, AttributeError) as error:
+        raise ScoresError(f"{path}: not a score.json of schema {content.get('schema')!r} ({error})") from error

@@ -5,7 +5,6 @@ What varies is a training run, not an episode: seeds are the unit wherever there
 Axes: S training seeds, P partners, E episode indices.
 """
 
-from collections.abc import Sequence
 from math import ceil
 from typing import Any, Final, NamedTuple
 
@@ -22,19 +21,6 @@ Source: the thesis, 7.2: the 0.15-quantile of the ordered outcomes.
 
 UNDECIDED: Final = 2.0
 """A partner nearer to a threshold than so many standard errors is on neither side of it for certain."""
-
-
-def combined(layouts: Sequence[ArrayLike], lowest: float = -np.inf) -> Estimate:
-    """Computes the equal-weight mean over layouts with Student's t interval over the repetitions.
-
-    A repetition is averaged over the layouts first: one training run may be one network for all of them, so that its
-    scores there are not independent.
-
-    Args:
-        layouts: One (n,) array per layout, as for `t_interval`; the i-th value is the same repetition in each.
-        lowest: As for `t_interval`.
-    """
-    return t_interval(np.stack([np.asarray(values, np.float64) for values in layouts]).mean(axis=0), lowest)
 
 
 class Threshold(NamedTuple):

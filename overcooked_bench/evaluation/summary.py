@@ -1,53 +1,150 @@
-"""From stored episodes to scores.
+"""From cells to a score: every metric for everything that it is about."""
 
-Axes: S training seeds, P partners, E episode indices, K seats of the scored agent.
-"""
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+from pathlib import Path
+from typing import Any
 
-from collections.abc import Sequence
-
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.estimate import Estimate, t_interval
-from overcooked_bench.evaluation import statistics
-from overcooked_bench.evaluation.games.roster import FLOOR
+from overcooked_bench.estimate import Estimate
+from overcooked_bench.evaluation.cells import Cells, read_cells
+from overcooked_bench.evaluation.games.replayed import check_returns, read_settings
 from overcooked_bench.evaluation.games.store import Store
-from overcooked_bench.evaluation.protocol import Protocol
-from overcooked_bench.evaluation.scores import Cell, CurvePoint, LayoutScore, ThresholdScore
-from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.evaluation.metric import Metric, Params, Slice, find_metrics
+from overcooked_bench.evaluation.protocol import Protocol, Report
+from overcooked_bench.evaluation.scores import (
+    EPISODES_FILE,
+    SCHEMA,
+    Declined,
+    LayoutFacts,
+    Row,
+    ScenarioScore,
+    Scores,
+    Source,
+    in_folder,
+)
+from overcooked_bench.evaluation.statistics import describe_low_quantile
 
 
-def compute_layouts(
-    store: Store, protocol: Protocol, layouts: Sequence[str], training_seeds: int, agent_sha256: str
-) -> tuple[tuple[LayoutScore, ...], Estimate | None]:
-    """Computes the scores of layouts whose blocks are all in the store.
+def summarise(
+    store: Store,
+    rules: Protocol,
+    *,
+    training_seeds: int,
+    finished: Sequence[str],
+    declined: Sequence[Declined] = (),
+    faults: Sequence[str] = (),
+    scenarios: ScenarioScore | None = None,
+    run: Mapping[str, Any] | None = None,
+) -> Scores:
+    """Computes the score of what a store holds.
 
     Args:
-        store: Where the episodes are.
-        protocol: What was played.
-        layouts: The attempted ones.
-        training_seeds: S; all of them count.
-        agent_sha256: Hash of the scored agent, to recognise it among its partners.
+        store: Where the episodes are, and who is scored.
+        rules: What was played.
+        training_seeds: S.
+        finished: Layouts of which every block is in the store.
+        declined: Layouts that the agent does not play.
+        faults: What it did wrong.
+        scenarios: How it did in the cooperation scenarios.
+        run: Facts of this run.
+
+    Raises:
+        StoreError: Blocks were changed after they were written.
+    """
+    facts, play = store.facts, rules.play
+    found = read_cells(store, finished, training_seeds, play.episodes, play.seats)
+    cells, adapted, metrics = list(found.values()), store.adapted(), find_metrics()
+    unranked = _unranked(rules, finished, declined)
+    rows = compute_rows(cells, metrics, rules.report, overall=unranked is None)
+    pool = facts.get("pool", "none")
+    scores = Scores(
+        schema=SCHEMA,
+        protocol=Source(rules.name, facts.get("protocol", "")),
+        settings=rules,
+        agent=Source(facts.get("agent_name", ""), facts.get("agent", "")),
+        pool=None if pool == "none" else Source(facts.get("pool_name", str(play.pool)), pool),
+        seed=int(facts.get("seed", 0)),
+        salt=facts.get("salt", play.salt),
+        training_seeds=training_seeds,
+        interval=describe_interval(training_seeds, play.episodes),
+        overall=None,
+        unranked=unranked,
+        layouts=tuple(layout_facts(one, one.layout in adapted) for one in cells),
+        declined=tuple(declined),
+        faults=tuple(faults),
+        metrics=tuple(metric.facts for metric in metrics),
+        rows=rows,
+        scenarios=scenarios,
+        run=dict(run or {}),
+    )
+    mean = scores.find()
+    return msgspec.structs.replace(scores, overall=mean and mean.estimate)
+
+
+def recompute(source: str | Path) -> Scores:
+    """Computes a score again from its stored episodes alone, all of which are replayed.
+
+    Args:
+        source: The folder of a score, or its episodes.sqlite, of this schema or an older one.
 
     Returns:
-        One score for each layout, and the equal-weight mean over them.
+        The numbers of the layouts that were finished, without scenarios.
+
+    Raises:
+        StoreError: There is no such store, or it was changed.
     """
-    rows: dict[str, dict[tuple[str, str, str], dict[tuple[int, int, int], tuple[float, int, int]]]] = {}
-    for one in store.episodes():
-        who = rows.setdefault(one.layout, {}).setdefault((one.partner, one.kind, one.partner_sha256), {})
-        who[one.training_seed, one.episode, one.seat] = one.soup_reward, one.ego_soups, one.partner_soups
-    adapted, scores, repetitions = store.adapted(), [], []
-    rules = protocol.play
-    shape = training_seeds, rules.episodes, len(rules.seats)
-    for layout in layouts:
-        tables = {who: _table(games, shape, rules.seats) for who, games in sorted(rows[layout].items())}
-        counting = {who: table for who, table in tables.items() if who[1] != FLOOR}
-        cells = [_cell(who, table, agent_sha256) for who, table in tables.items()]
-        returns = np.stack([table[..., 0] for table in counting.values()], axis=1)  # (S, P, E, K)
-        scores.append(_layout_score(layout, layout in adapted, returns, cells, protocol))
-        repetitions.append(_repetitions(returns))
-    overall = statistics.combined(repetitions, lowest=0) if repetitions else None
-    return tuple(scores), overall
+    with Store(in_folder(source, EPISODES_FILE)) as store:
+        rules = read_settings(store)
+        check_returns(store, rules.play.cooking, rules.play.horizon)
+        blocks = store.blocks()
+        seeds = int(store.facts.get("training_seeds", 1 + max((run for _, run, _ in blocks), default=0)))
+        every = list(product(range(seeds), range(rules.play.episodes)))
+        finished = [one for one in rules.play.layouts if all((one, *key) in blocks for key in every)]
+        return summarise(store, rules, training_seeds=seeds, finished=finished)
+
+
+def compute_rows(cells: Sequence[Cells], metrics: Sequence[Metric], report: Report, overall: bool) -> tuple[Row, ...]:
+    """Computes every metric.
+
+    Args:
+        cells: One per layout.
+        metrics: Which.
+        report: The protocol's parameters of metrics.
+        overall: Whether means over the layouts are wanted: all layouts of the protocol are there.
+
+    Returns:
+        Rows in the order of layouts, slices and metrics; the means over layouts first.
+    """
+    rows: list[Row] = []
+    across: dict[tuple[int, tuple[Any, ...]], list[NDArray[np.float64]]] = {}
+    for one in cells:
+        for index, metric in enumerate(metrics):
+            for about, part in _slices(one, metric.by):
+                for params in metric.params(report, part):
+                    values = np.asarray(metric.per_repetition(part, **params), np.float64)
+                    if not len(values):
+                        continue
+                    if "overall" in metric.by and not about:
+                        across.setdefault((index, tuple(params.items())), []).append(values)
+                    estimate = metric.estimate(values, part, **params)
+                    rows.append(_row(metric, params, values, estimate, layout=one.layout, **about))
+    means = []
+    for (index, key), arrays in across.items():
+        if overall and len(arrays) == len(cells) and len({len(values) for values in arrays}) == 1:
+            values = np.stack(arrays).mean(axis=0)
+            means.append(_row(metrics[index], dict(key), values, metrics[index].estimate(values)))
+    return (*means, *rows)
+
+
+def layout_facts(cells: Cells, adapted: bool) -> LayoutFacts:
+    """Says what was played on a layout."""
+    seeds = cells.counting.means.mean(axis=1)
+    remark = describe_low_quantile(seeds) if len(seeds) > 1 else None
+    return LayoutFacts(cells.layout, adapted, cells.soup_points, cells.partners, remark)
 
 
 def describe_interval(training_seeds: int, episodes: int) -> str:
@@ -65,62 +162,43 @@ def describe_interval(training_seeds: int, episodes: int) -> str:
     return "No intervals: a single episode block of one training run."
 
 
-def _table(
-    games: dict[tuple[int, int, int], tuple[float, int, int]], shape: tuple[int, int, int], seats: Sequence[int]
-) -> NDArray[np.float64]:
-    """Lays one partner's games out as (S, E, K, 3): points, own soups, the partner's soups."""
-    runs, episodes, _ = shape
-    return np.array([[[games[s, e, k] for k in seats] for e in range(episodes)] for s in range(runs)], np.float64)
+def _unranked(rules: Protocol, finished: Sequence[str], declined: Sequence[Declined]) -> str | None:
+    """Says why there is no overall score, None if there is one."""
+    refused = [one.layout for one in declined]
+    others = [layout for layout in rules.play.layouts if layout not in (*refused, *finished)]
+    parts = [f"{', '.join(refused)} declined"] if refused else []
+    parts += [f"{', '.join(others)} not played to the end"] if others else []
+    return "; ".join(parts) or None
 
 
-def _repetitions(returns: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Gives what an interval is made of, from (S, P, E, K): the S training runs, or the E blocks of the only one."""
-    return np.asarray(returns.mean(axis=(1, 2, 3) if len(returns) > 1 else (0, 1, 3)))
+def _slices(cells: Cells, by: Sequence[Slice]) -> Iterator[tuple[Mapping[str, Any], Cells]]:
+    """Yields what a metric is about, and the cells that it is computed from."""
+    counting = cells.counting
+    if "layout" in by:
+        yield {}, counting
+    if "seat" in by:
+        for seat in cells.seats:
+            yield {"seat": seat}, counting.on_seat(seat)
+    if "stratum" in by:
+        for stratum in sorted({label.stratum for label in counting.partners}):
+            members = [index for index, label in enumerate(counting.partners) if label.stratum == stratum]
+            yield {"stratum": stratum}, counting.with_partners(members)
+    for index, label in enumerate(cells.partners):
+        own = cells.with_partners([index])
+        if "partner" in by:
+            yield {"partner": label.name}, own
+        if "partner and seat" in by:
+            for seat in cells.seats:
+                yield {"partner": label.name, "seat": seat}, own.on_seat(seat)
 
 
-def _estimate(returns: NDArray[np.float64]) -> Estimate:
-    return t_interval(_repetitions(returns), lowest=0)
-
-
-def _seats(returns: NDArray[np.float64]) -> tuple[Estimate, ...]:
-    return tuple(_estimate(returns[..., k : k + 1]) for k in range(returns.shape[-1]))
-
-
-def _cell(who: tuple[str, str, str], table: NDArray[np.float64], agent_sha256: str) -> Cell:
-    name, kind, sha256 = who
-    returns, (_, mine, theirs) = table[:, None, :, :, 0], table.mean(axis=(0, 1, 2)).tolist()
-    return Cell(name, kind, sha256, _estimate(returns), _seats(returns), mine, theirs, sha256 == agent_sha256)
-
-
-def _layout_score(
-    layout: str, adapted: bool, returns: NDArray[np.float64], cells: Sequence[Cell], protocol: Protocol
-) -> LayoutScore:
-    seeds, partners = returns.shape[:2]
-    means = returns.mean(axis=(2, 3))
-    thresholds, soup_points = [], Layout.load(layout).soup_points
-    for soups in protocol.report.thresholds:
-        reached, undecided = statistics.threshold(returns.mean(axis=3), soups * soup_points)
-        thresholds.append(ThresholdScore(soups, reached, reached.value / partners, undecided))
-    curve = statistics.ordered(means)
-    low = statistics.low_quantile(curve) if seeds > 1 else None
-    return LayoutScore(
-        layout=layout,
-        adapted=adapted,
-        partners=partners,
-        mean=_estimate(returns),
-        seats=_seats(returns),
-        thresholds=tuple(thresholds),
-        tail_quantile=_over_seeds(statistics.tail_quantile(means)),
-        tail_mean=_over_seeds(statistics.tail_mean(means)),
-        low_quantile=statistics.describe_low_quantile(means.mean(axis=1)) if seeds > 1 else None,
-        curve=tuple(
-            CurvePoint(r + 1, _over_seeds(curve[:, r]), None if low is None else float(low[r])) for r in range(partners)
-        ),
-        cells=tuple(sorted((c for c in cells if c.kind != FLOOR), key=lambda c: (c.mean.value, c.partner))),
-        floors=tuple(c for c in cells if c.kind == FLOOR),
-        soup_points=soup_points,
+def _row(metric: Metric, params: Params, values: NDArray[np.float64], estimate: Estimate, **about: Any) -> Row:
+    return Row(
+        metric=metric.facts.name,
+        params=dict(params),
+        value=estimate.value,
+        low=estimate.low,
+        high=estimate.high,
+        per_repetition=tuple(values.tolist()),
+        **about,
     )
-
-
-def _over_seeds(values: NDArray[np.float64]) -> Estimate:
-    return t_interval(values, lowest=0)

@@ -16,9 +16,8 @@ from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.baselines.learning.partners import load_partners, partner_names
 from overcooked_bench.baselines.learning.settings import Settings
 from overcooked_bench.evaluation.protocol import read_protocol
-from overcooked_bench.evaluation.score import score
 from tests.agents.made import write_policy
-from tests.evaluation.made import protocol_text
+from tests.evaluation.made import protocol_text, score
 
 LAYOUT = "cramped_room"
 NORTH = """
@@ -163,7 +162,7 @@ def test_what_is_not_found_is_answered_with_a_guess(reference, message):
 def test_every_kind_is_scored_trained_with_and_sat_beside(references, tmp_path):
     protocol = read_protocol(protocol_text(partners=["stay"], floors=[], episodes=1, horizon=5), "p.yaml")
     for number, (reference, _, _) in enumerate(references):
-        scores, _ = score(reference, protocol, output=tmp_path / f"out-{number}")
+        scores, *_ = score(reference, protocol, output=tmp_path / f"out-{number}")
         assert scores.agent.sha256 == find(reference).sha256
         env = gym.make("Overcooked/CrampedRoom-v0", partner=reference, horizon=3)
         env.reset(seed=0)

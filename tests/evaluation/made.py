@@ -1,5 +1,6 @@
 """Small protocols, submissions and stores for the tests of evaluation."""
 
+from functools import partial
 from pathlib import Path
 
 import msgspec
@@ -7,6 +8,7 @@ import msgspec
 from overcooked_bench.agents.catalogue import find
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.evaluation.games.block import Block
+from overcooked_bench.evaluation.score import score as whole_score
 
 SCRIPTED_POOL = Path(__file__).parent.parent / "data" / "pools" / "scripted"
 """A pool of `greedy` and, as a floor, `random`, on the five classic layouts."""
@@ -37,6 +39,10 @@ def protocol_text(**changes):
     for part, keys in (("play", settings), ("report", report)):
         lines += [f"{part}:", *(f"  {key}: {value}" for key, value in keys.items())]
     return "\n".join(lines).replace("'", "") + "\n"
+
+
+score = partial(whole_score, scenarios=False)
+"""Scores without the scenarios, which take seconds."""
 
 
 def changed(protocol, **play):

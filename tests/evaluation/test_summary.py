@@ -1,36 +1,47 @@
 """From stored episodes to numbers: the unit of the intervals, and what is kept out of them."""
 
-import types
+import json
+import shutil
+from pathlib import Path
 
-import msgspec
 import numpy as np
 import pytest
 
-from overcooked_bench.estimate import t_interval
+from overcooked_bench.estimate import Estimate, t_interval
+from overcooked_bench.evaluation.cells import PartnerLabel, pack_labels, read_cells
 from overcooked_bench.evaluation.games.episode import Episode
-from overcooked_bench.evaluation.games.store import Store
-from overcooked_bench.evaluation.shown.tables import _worth
+from overcooked_bench.evaluation.games.store import Store, StoreError
+from overcooked_bench.evaluation.scores import SCHEMA, ScoresError, read_scores
 from overcooked_bench.evaluation.statistics import low_quantile
-from overcooked_bench.evaluation.summary import compute_layouts, describe_interval
-from tests.evaluation.made import changed, reporting
+from overcooked_bench.evaluation.summary import describe_interval, recompute, summarise
+from tests.evaluation.made import changed
 
 PARTNERS = {"ann": "trained", "bob": "trained", "cat": "scripted", "stay": "floor"}
+OLD = Path(__file__).parents[1] / "data" / "upgrades" / "score-1"
 
 
-def summarise(tmp_path, protocol, returns, name="a", layout="cramped_room"):
-    """Scores (S, P, E, 2) returns of PARTNERS on a layout."""
+def episode(layout, s, e, who, k, kind, points, own=0):
+    return Episode(layout, s, e, who, k, 0, who * 8, kind, float(points), 0.0, 0.0, own, 1, "", b"")
+
+
+def summarised(tmp_path, protocol, returns, name="a", layouts=("cramped_room",), **facts):
+    """Scores (S, P, E, 2) returns of PARTNERS, the same on every layout."""
     seeds, _, episodes, _ = returns.shape
-    rules = changed(protocol, episodes=episodes)
-    with Store(tmp_path / f"{name}.sqlite", {"agent": "x"}) as store:
-        for s, e in np.ndindex(seeds, episodes):
-            rows = [
-                Episode(layout, s, e, who, k, 0, who * 8, kind, float(returns[s, p, e, k]), 0.0, 0.0, p, 1, "", b"")
-                for p, (who, kind) in enumerate(PARTNERS.items())
-                for k in (0, 1)
-            ]
-            store.add_block((layout, s, e), rows)
-        (score,), overall = compute_layouts(store, rules, [layout], seeds, "bob" * 8)
-    return score, overall
+    rules = changed(protocol, episodes=episodes, layouts=tuple(layouts))
+    with Store(tmp_path / f"{name}.sqlite", {"agent": "bob" * 8, **facts}) as store:
+        for layout in layouts:
+            for s, e in np.ndindex(seeds, episodes):
+                rows = [
+                    episode(layout, s, e, who, k, kind, returns[s, p, e, k], p)
+                    for p, (who, kind) in enumerate(PARTNERS.items())
+                    for k in (0, 1)
+                ]
+                store.add_block((layout, s, e), rows)
+        return summarise(store, rules, training_seeds=seeds, finished=layouts)
+
+
+def mean(scores, **about):
+    return scores.find(layout="cramped_room", **about).estimate
 
 
 def drawn(seeds, episodes=6):
@@ -41,77 +52,117 @@ def drawn(seeds, episodes=6):
 
 def test_with_seeds_the_seed_is_the_unit(tmp_path, protocol):
     returns = drawn(5)
-    score, overall = summarise(tmp_path, protocol, returns)
+    scores = summarised(tmp_path, protocol, returns)
     counting = returns[:, :3]
-    assert tuple(msgspec.structs.astuple(score.mean)) == pytest.approx(tuple(t_interval(counting.mean(axis=(1, 2, 3)))))
-    assert score.mean.value == pytest.approx(overall.value)
-    assert score.mean.low == pytest.approx(overall.low)
+    per_seed = counting.mean(axis=(1, 2, 3))
+    assert tuple(mean(scores)) == pytest.approx(tuple(t_interval(per_seed)))
+    assert tuple(mean(scores)) == pytest.approx(tuple(scores.overall))
+    assert scores.find().per_repetition == pytest.approx(per_seed)
     ordered = np.sort(counting.mean(axis=(2, 3)), axis=1)
-    for rank, point in enumerate(score.curve):
-        assert tuple(msgspec.structs.astuple(point.mean)) == pytest.approx(tuple(t_interval(ordered[:, rank])))
-        assert point.low_quantile == pytest.approx(low_quantile(ordered[:, rank]))
-    assert "5 training seeds" in score.low_quantile
+    for rank in range(3):
+        params = {"rank": rank + 1}
+        point = scores.find("curve", layout="cramped_room", params=params)
+        assert tuple(point.estimate) == pytest.approx(tuple(t_interval(ordered[:, rank])))
+        quantile = scores.find("curve_quantile", layout="cramped_room", params=params)
+        assert quantile.value == pytest.approx(low_quantile(ordered[:, rank]))
+    assert "5 training seeds" in scores.layouts[0].remark
 
 
 def test_permuting_seeds_within_one_partner_changes_the_interval_and_nothing_else(tmp_path, protocol):
     returns = drawn(5)
     permuted = returns.copy()
     permuted[:, 1] = permuted[[3, 0, 4, 1, 2], 1]
-    before, _ = summarise(tmp_path, protocol, returns, "before")
-    after, _ = summarise(tmp_path, protocol, permuted, "after")
-    assert before.mean.value == pytest.approx(after.mean.value)
-    assert abs((before.mean.high - before.mean.low) - (after.mean.high - after.mean.low)) > 0.1
+    before = mean(summarised(tmp_path, protocol, returns, "before"))
+    after = mean(summarised(tmp_path, protocol, permuted, "after"))
+    assert before.value == pytest.approx(after.value)
+    assert abs((before.high - before.low) - (after.high - after.low)) > 0.1
 
 
 def test_with_one_run_the_episode_block_is_the_unit(tmp_path, protocol):
     returns = drawn(1)
-    score, _ = summarise(tmp_path, protocol, returns)
-    assert tuple(msgspec.structs.astuple(score.mean)) == pytest.approx(
-        tuple(t_interval(returns[0, :3].mean(axis=(0, 2))))
-    )
-    assert score.low_quantile is None
-    assert all(point.mean.low is None for point in score.curve)
-    assert score.tail_mean.low is None
+    scores = summarised(tmp_path, protocol, returns)
+    blocks = returns[0, :3].mean(axis=(0, 2))
+    assert tuple(mean(scores)) == pytest.approx(tuple(t_interval(blocks)))
+    assert scores.find(layout="cramped_room").per_repetition == pytest.approx(blocks)
+    assert scores.layouts[0].remark is None
+    assert all(row.low is None for row in scores.select("curve"))
+    assert scores.find("tail_mean", layout="cramped_room").low is None
+    assert not list(scores.select("curve_quantile"))
 
 
 def test_floors_are_shown_and_enter_nothing(tmp_path, protocol):
     returns = drawn(2)
-    without, other = returns.copy(), returns.copy()
+    other = returns.copy()
     other[:, 3] += 500
-    first, _ = summarise(tmp_path, protocol, without, "first")
-    second, _ = summarise(tmp_path, protocol, other, "second")
-    assert [cell.partner for cell in first.floors] == ["stay"]
-    assert second.floors[0].mean.value > 500
-    assert (first.partners, first.mean, first.thresholds) == (3, second.mean, second.thresholds)
-    assert "stay" not in [cell.partner for cell in first.cells]
+    first = summarised(tmp_path, protocol, returns, "first")
+    second = summarised(tmp_path, protocol, other, "second")
+    (layout,) = first.layouts
+    assert [label.name for label in layout.partners if not label.counts] == ["stay"]
+    assert mean(second, partner="stay").value > 500
+    without = [row for row in first.rows if row.partner != "stay"]
+    assert without == [row for row in second.rows if row.partner != "stay"]
+    assert "stay" not in [label.name for label, _ in first.with_partners(layout)]
 
 
-def test_seats_partners_and_thresholds(tmp_path, protocol):
+def test_seats_partners_strata_and_thresholds(tmp_path, protocol):
     returns = np.zeros((1, 4, 2, 2))
     returns[0, 0], returns[0, 1], returns[0, 2] = 20, [[0, 100], [0, 100]], 5
-    score, _ = summarise(tmp_path, protocol, returns)
-    assert [seat.value for seat in score.seats] == pytest.approx([25 / 3, 125 / 3])
-    assert [(cell.partner, cell.mean.value, cell.is_ego) for cell in score.cells] == [
+    labels = [PartnerLabel("bob", "trained", "", "self-play", "corner")]
+    scores = summarised(tmp_path, protocol, returns, partners=pack_labels({"cramped_room": labels}))
+    assert [mean(scores, seat=seat).value for seat in (0, 1)] == pytest.approx([25 / 3, 125 / 3])
+    (layout,) = scores.layouts
+    assert [(label.name, row.value, label.is_ego) for label, row in scores.with_partners(layout)] == [
         ("cat", 5, False),
         ("ann", 20, False),
         ("bob", 50, True),
     ]
-    assert (score.worst.partner, score.best.partner) == ("cat", "bob")
-    assert [(t.soups, t.reached.value, t.share) for t in score.thresholds] == [(1, 2, 2 / 3), (3, 0, 0)]
-    assert (score.worst.ego_soups, score.worst.partner_soups) == (2, 1)
+    assert {row.stratum: row.value for row in scores.select("mean", seat=None) if row.stratum} == {
+        "trained": 20,
+        "self-play": 50,
+        "scripted": 5,
+    }
+    assert [label.convention for label in layout.partners] == [None, "corner", None, None]
+    assert [(row.params, row.value) for row in scores.select("threshold")] == [
+        ({"soups": 1}, pytest.approx(2 / 3)),
+        ({"soups": 3}, 0),
+    ]
+    assert [scores.find(f"{who}_soups", layout="cramped_room", partner="cat").value for who in ("ego", "partner")] == [
+        *(2, 1),
+    ]
 
 
 def test_thresholds_count_soups_of_the_layouts_own_value(tmp_path, protocol):
     cheap = tmp_path / "cheap.layout"
-    cheap.write_text("XXPXX\nO  2O\nX1  X\nXDXSX\n---\nsoup_reward: 10\n")
-    rules = reporting(protocol, thresholds=(1, 2, 3))
-    two_soups = np.full((1, 4, 2, 2), 20.0)
-    score, _ = summarise(tmp_path, rules, two_soups, layout=str(cheap))
-    assert [(t.soups, t.share) for t in score.thresholds] == [(1, 1), (2, 1), (3, 0)]
-    assert score.soup_points == 10
-    assert "one soup = 10" in _worth(types.SimpleNamespace(layouts=[score]))
-    plain, _ = summarise(tmp_path, rules, two_soups, "plain")
-    assert [t.share for t in plain.thresholds] == [1, 0, 0]
+    cheap.write_text("XXPXX\nO1  O\nX  2X\nXDXSX\n---\nsoup_reward: 10\n")
+    returns = np.full((1, 4, 2, 2), 20.0)
+    scores = summarised(tmp_path, protocol, returns, layouts=[str(cheap)])
+    assert scores.layouts[0].soup_points == 10
+    assert [row.value for row in scores.select("threshold")] == [1, 0]
+
+
+def test_a_training_seed_is_averaged_over_layouts_before_the_interval(tmp_path, protocol):
+    """Two layouts on which the seeds go opposite ways: their mean does not vary, each of them does."""
+    layouts = "cramped_room", "coordination_ring"
+    rules = changed(protocol, episodes=1, layouts=layouts)
+    with Store(tmp_path / "two.sqlite", {"agent": "x"}) as store:
+        for layout, points in zip(layouts, ([20, 40, 60], [60, 40, 20]), strict=True):
+            for s, reward in enumerate(points):
+                store.add_block((layout, s, 0), [episode(layout, s, 0, "ann", k, "trained", reward) for k in (0, 1)])
+        scores = summarise(store, rules, training_seeds=3, finished=layouts)
+    for layout in layouts:
+        row = scores.find(layout=layout)
+        assert row.low < row.value == 40
+    assert scores.overall == Estimate(40, 40, 40)
+
+
+def test_a_missing_episode_is_one_message(tmp_path):
+    with Store(tmp_path / "a.sqlite", {"agent": "x"}) as store:
+        store.add_block(("cramped_room", 0, 0), [episode("cramped_room", 0, 0, "ann", 0, "trained", 20)])
+        with pytest.raises(StoreError, match=r"a\.sqlite: there is no episode on cramped_room, .* partner ann, seat 1"):
+            read_cells(store, ["cramped_room"], 1, 1, (0, 1))
+        store.add_block(("cramped_room", 0, 1), [episode("cramped_room", 0, 1, "ann", 0, "floor", 20)])
+        with pytest.raises(StoreError, match=r"a\.sqlite: .*another partner than before"):
+            read_cells(store, ["cramped_room"], 1, 2, (0,))
 
 
 def test_the_interval_says_what_it_is_about():
@@ -121,17 +172,54 @@ def test_the_interval_says_what_it_is_about():
     assert describe_interval(1, 1).startswith("No intervals")
 
 
-def test_a_training_seed_is_averaged_over_layouts_before_the_interval(tmp_path, protocol):
-    """Two layouts on which the seeds go opposite ways: their mean does not vary, each of them does."""
-    rules, layouts = changed(protocol, episodes=1), ["cramped_room", "coordination_ring"]
-    with Store(tmp_path / "two.sqlite", {"agent": "x"}) as store:
-        for layout, points in zip(layouts, ([20.0, 40.0, 60.0], [60.0, 40.0, 20.0]), strict=True):
-            for s, reward in enumerate(points):
-                rows = [
-                    Episode(layout, s, 0, "ann", k, 0, "a" * 64, "trained", reward, 0.0, 0.0, 1, 1, "", b"")
-                    for k in (0, 1)
-                ]
-                store.add_block((layout, s, 0), rows)
-        scores, overall = compute_layouts(store, rules, layouts, 3, "")
-    assert all(score.mean.low < score.mean.value == 40 for score in scores)
-    assert msgspec.structs.astuple(overall) == (40, 40, 40)
+def test_a_score_of_schema_1_is_read_and_its_store_gives_the_same_numbers():
+    old = read_scores(OLD)
+    assert old.schema == SCHEMA
+    assert (old.agent.name, old.protocol.name, old.pool.name, old.unranked) == ("greedy", "mini", "dev-v0", None)
+    assert old.scenarios.total.items == 210
+    again = recompute(OLD)
+    numbers = {row.about: tuple(row.estimate) for row in again.rows}
+    compared = 0
+    for row in old.rows:
+        for mine, theirs in zip(row.estimate, numbers[row.about], strict=True):
+            assert (mine is None) == (theirs is None) or row.metric.endswith("_soups"), row.about
+            assert mine is None or mine == pytest.approx(theirs, rel=1e-12, abs=1e-12), row.about
+        compared += 1
+    assert compared == 2 * (1 + 2 + 3 + 3 + 2 + 7 + 9 * 5) + 1
+    assert again.overall == old.overall
+    assert [layout.partners for layout in again.layouts] == [layout.partners for layout in old.layouts]
+
+
+def test_declined_layouts_of_schema_1_leave_no_overall(tmp_path):
+    content = json.loads((OLD / "score.json").read_text())
+    content["layouts"].pop()
+    content["not_attempted"] = ["forced_coordination"]
+    (tmp_path / "score.json").write_text(json.dumps(content))
+    scores = read_scores(tmp_path / "score.json")
+    assert (scores.overall, [one.layout for one in scores.declined]) == (None, ["forced_coordination"])
+    assert "forced_coordination" in scores.unranked
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"schema": 3}, "its schema is 3; this version reads 2"),
+        ({"schema": None}, "its schema is None"),
+        ({"layouts": [1]}, "not a score.json of schema 1"),
+        ({"settings": []}, "not a score.json of schema 1"),
+        ({"overall": {"value": "x"}}, "not a score.json"),
+    ],
+)
+def test_a_broken_score_json_is_refused(change, words, tmp_path):
+    content = json.loads((OLD / "score.json").read_text()) | change
+    (tmp_path / "score.json").write_text(json.dumps(content))
+    with pytest.raises(ScoresError, match=words) as refused:
+        read_scores(tmp_path)
+    assert str(tmp_path) in str(refused.value)
+
+
+def test_what_cannot_be_computed_again_is_one_message(tmp_path):
+    shutil.copy(OLD / "episodes.sqlite", tmp_path)
+    (tmp_path / "episodes.sqlite").write_bytes((OLD / "episodes.sqlite").read_bytes()[:30_000])
+    with pytest.raises(StoreError, match=r"episodes\.sqlite"):
+        recompute(tmp_path)

@@ -43,6 +43,7 @@ class Block:
         layout: Where.
         training_seed: Which training run of the agent.
         episode: Index of the start states.
+        adapted: Whether the agent is given the mirror image, as it asked for (`asking.py`).
         turned: Whether the agent is handed its rows in reverse order, see `again.py`.
     """
 
@@ -56,6 +57,7 @@ class Block:
     layout: str
     training_seed: int
     episode: int
+    adapted: bool = False
     turned: bool = False
 
     @property
@@ -75,15 +77,11 @@ class Outcome(NamedTuple):
     Attributes:
         key: (layout, training seed, episode).
         episodes: One for each partner and seat; empty where nothing was finished.
-        adapted: Whether the agent was given the mirror image.
-        unknown: Why the agent does not play this layout, or None.
         fault: What the agent did wrong, or None.
     """
 
     key: tuple[str, int, int]
     episodes: tuple[Episode, ...] = ()
-    adapted: bool = False
-    unknown: str | None = None
     fault: str | None = None
 
 
@@ -102,21 +100,17 @@ def play_block(block: Block) -> Outcome:
         with calling("loading", LOADING):
             entrant = find_unchanged(block.agent, block.agent_sha256, block.protocol.play.mode)
         try:
-            try:
-                games, adapted = _play(block, entrant.make, partners, who, seats, adapted=False), False
-            except UnknownLayout:
-                if not block.layout.endswith(MIRRORED):
-                    raise
-                games, adapted = _play(block, entrant.make, partners, who, seats, adapted=True), True
+            games = _play(block, entrant.make, partners, who, seats)
         except UnknownLayout as error:
-            return Outcome(block.key, unknown=str(error))
+            why = f"it declines ({error}), although it plays this layout when asked before"
+            return Outcome(block.key, fault=f"{block.layout}, training seed {block.training_seed}: {why}")
         except AgentError as error:
             return Outcome(block.key, fault=f"{block.layout}, training seed {block.training_seed}: {error}")
         except SeatedFault as fault:
             if fault.who != EGO and entrant.kind not in RUNS_CODE:  # a partner of ours
                 raise
             return Outcome(block.key, fault=_blame(fault, block, partners, who, seats))
-    return Outcome(block.key, tuple(_episodes(block, partners, who, seats, games)), adapted)
+    return Outcome(block.key, tuple(_episodes(block, partners, who, seats, games)))
 
 
 def _play(
@@ -125,9 +119,8 @@ def _play(
     partners: Sequence[Partner],
     who: NDArray[np.int64],
     seats: NDArray[np.int64],
-    adapted: bool,
 ) -> Games:
-    rules, layout = block.protocol.play, block.layout
+    rules, layout, adapted = block.protocol.play, block.layout, block.adapted
     pool = pool_as_hashed(block.pool, block.pool_sha256)
     with _seeded(block.streams.of_process(block.training_seed)):
         with calling("make_agent", LOADING):

@@ -3,14 +3,12 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import msgspec
 
 from overcooked_bench.evaluation.games.episode import Episode
+from overcooked_bench.evaluation.games.replayed import read_settings
 from overcooked_bench.evaluation.games.store import Store, StoreError
-from overcooked_bench.evaluation.protocol import Protocol, upgrade
-from overcooked_bench.evaluation.score import EPISODES_FILE
+from overcooked_bench.evaluation.protocol import Protocol
+from overcooked_bench.evaluation.scores import EPISODES_FILE, in_folder
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.rendering.replay import Frame, frames_of, play_in_terminal, save_gif
 
@@ -105,8 +103,7 @@ def find_recording(
     Raises:
         StoreError: No such store, or no episode fits; says what there is.
     """
-    file = Path(source)
-    file = file / EPISODES_FILE if file.is_dir() else file
+    file = in_folder(source, EPISODES_FILE)
     given = {"layout": layout, "partner": partner, "seat": seat, "episode": episode, "training_seed": training_seed}
     where = {column: value for column, value in given.items() if value is not None}
     with Store(file) as store:
@@ -114,19 +111,6 @@ def find_recording(
         if found is None:
             raise StoreError(f"{file}: {_nothing(store, where)}")
         return Recording(file, found, read_settings(store), store.facts.get("agent_name", "the agent"))
-
-
-def read_settings(store: Store) -> Protocol:
-    """Reads the protocol that a store was played under.
-
-    Raises:
-        StoreError: It is missing or damaged.
-    """
-    try:
-        settings = msgspec.json.decode(store.facts.get("settings", ""), type=dict[str, Any])
-        return msgspec.convert(upgrade(settings), Protocol)
-    except (ValueError, RecursionError) as error:
-        raise StoreError(f"{store.file}: the protocol that it was played under cannot be read ({error})") from error
 
 
 def _nothing(store: Store, where: dict[str, str | int]) -> str:

@@ -5,16 +5,30 @@ Axes: N episodes of one layout, T steps.
 
 from collections.abc import Iterable, Iterator
 from itertools import groupby, islice
-from typing import Final
+from typing import Any, Final
 
+import msgspec
 import numpy as np
 
 from overcooked_bench.evaluation.games.episode import Episode
 from overcooked_bench.evaluation.games.store import Store, StoreError
-from overcooked_bench.kitchen.codes import SERVED
+from overcooked_bench.evaluation.protocol import Protocol, upgrade
 from overcooked_bench.kitchen.kitchens import Kitchens
 
 _MOST_ROWS: Final = 2048
+
+
+def read_settings(store: Store) -> Protocol:
+    """Reads the protocol that a store was played under.
+
+    Raises:
+        StoreError: It is missing or damaged.
+    """
+    try:
+        settings = msgspec.json.decode(store.facts.get("settings", ""), type=dict[str, Any])
+        return msgspec.convert(upgrade(settings), Protocol)
+    except (ValueError, RecursionError) as error:
+        raise StoreError(f"{store.file}: the protocol that it was played under cannot be read ({error})") from error
 
 
 def check_returns(store: Store, cooking: str, horizon: int) -> int:
@@ -49,9 +63,10 @@ def _chunks(episodes: Iterable[Episode]) -> Iterator[list[Episode]]:
 def _check(store: Store, layout: str, episodes: list[Episode], cooking: str, horizon: int) -> None:
     n = len(episodes)
     try:
-        kitchens = Kitchens(layout, n, cooking=cooking, horizon=horizon, actions_taken=True, autoreset=False)
+        kitchens = Kitchens(layout, n, cooking=cooking, horizon=horizon)
     except ValueError as error:
         raise StoreError(f"{store.file}: the episodes on {layout!r} cannot be replayed: {error}") from error
+    kitchens.autoreset = False
     joint = np.empty((horizon, n, 2), np.int64)
     for row, episode in enumerate(episodes):
         try:
@@ -67,8 +82,7 @@ def _check(store: Store, layout: str, episodes: list[Episode], cooking: str, hor
     brought = np.zeros((3, n, 2))  # points, partial rewards, soups of each chef
     for step in range(horizon):
         result = kitchens.step(joint[step])
-        assert result.actions_taken is not None
-        brought += result.soup_reward, result.partial_reward, result.actions_taken & SERVED != 0
+        brought += result.soup_reward, result.partial_reward, result.soup_reward > 0
     seats = np.array([episode.seat for episode in episodes])
     rows = np.arange(n)
     mine, theirs = brought[:, rows, seats], brought[:, rows, 1 - seats]

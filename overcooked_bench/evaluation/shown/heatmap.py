@@ -8,7 +8,6 @@ import numpy as np
 
 from overcooked_bench.evaluation.pools.crossplay import CrossPlay
 from overcooked_bench.evaluation.shown.plots import COLOURS
-from overcooked_bench.evaluation.shown.tables import interval_text
 
 _MOST_NUMBERED: Final = 20
 """Agents at most for numbers in the cells to be readable."""
@@ -68,8 +67,8 @@ def _families(found: CrossPlay) -> list[tuple[int, int]]:
 
 
 def _title(found: CrossPlay) -> str:
-    ratio = f"ratio {interval_text(found.ratio, 2)}" if found.ratio else "no ratio"
+    ratio = f"ratio {found.ratio.text(2)}" if found.ratio else "no ratio"
     return (
         f"{found.layout}, pool {found.pool.name}, {found.episodes} episodes a cell\n"
-        f"with itself {interval_text(found.self_play, 0)}, with strangers {interval_text(found.cross_play, 0)}\n{ratio}"
+        f"with itself {found.self_play.text(0)}, with strangers {found.cross_play.text(0)}\n{ratio}"
     )

@@ -1,26 +1,42 @@
 """The ordered curve as a picture."""
 
+import re
 from itertools import product
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Final
 
-from overcooked_bench.evaluation.scores import LayoutScore, Scores
+from overcooked_bench.evaluation.scores import LayoutFacts, Scores
 from overcooked_bench.kitchen.layout import DEFAULT_SOUP_REWARD
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9")
-"""Seven colours that people with any colour vision tell apart.
+"""Seven colours that people with any colour vision can distinguish.
 
 Source: Okabe and Ito 2008, "Color Universal Design".
 """
 _MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X")
 _INK: Final = "#333333"
+_STYLE: Final[Any] = {
+    "svg.hashsalt": "overcooked_bench",
+    "font.size": 10,
+    "font.family": "DejaVu Sans",
+    "text.parse_math": False,  # a file's name may hold dollar signs
+    **dict.fromkeys(("text.color", "xtick.color", "ytick.color", "axes.edgecolor"), _INK),
+}
+_BY_THEME: Final = {
+    _INK: "currentColor",
+    "#000000": "currentColor",
+    "#666666": "var(--dim)",
+    "#999999": "var(--dim)",
+    "#eeeeee": "var(--line)",
+}
+"""Colours of the picture -> what they become on a page that is light or dark."""
 
 
 def draw_curve(scores: Scores, file: "str | Path | IO[bytes]", form: str = "png") -> None:
-    """Draws the ordered curve: partners in ascending order of their mean, one curve for each layout.
+    """Draws the ordered curve: partners in ascending order of their mean, one curve per layout.
 
     With two training seeds or more a band shows each point's own 95 % interval.
 
@@ -33,21 +49,27 @@ def draw_curve(scores: Scores, file: "str | Path | IO[bytes]", form: str = "png"
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with matplotlib.rc_context({"svg.hashsalt": "overcooked_bench", "font.size": 10, "font.family": "DejaVu Sans"}):
+    with matplotlib.rc_context(_STYLE):
         figure = Figure(figsize=(8, 4.8), dpi=120, layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.subplots()
         for index, layout in enumerate(scores.layouts):
-            _draw_layout(axes, layout, COLOURS[index % len(COLOURS)], _MARKERS[index % len(_MARKERS)])
+            _draw_layout(axes, scores, layout, COLOURS[index % len(COLOURS)], _MARKERS[index % len(_MARKERS)])
         _dress(axes, scores)
         metadata: dict[str, Any] = {"Software": None} if form == "png" else {"Date": None, "Creator": None}
-        figure.savefig(file, format=form, metadata=metadata)
+        figure.savefig(file, format=form, metadata=metadata, transparent=form == "svg")
 
 
-def _draw_layout(axes: "Axes", layout: LayoutScore, colour: str, marker: str) -> None:
-    share = [100 * point.rank / layout.partners for point in layout.curve]
-    means = [point.mean for point in layout.curve]
-    values = [mean.value for mean in means]
+def follow_theme(svg: str) -> str:
+    """Returns a picture as an element of a page, in the page's colours of text and lines, without a background."""
+    element = svg[svg.index("<svg") :]
+    return re.sub(r"#[0-9a-f]{6}\b", lambda colour: _BY_THEME.get(colour[0], colour[0]), element)
+
+
+def _draw_layout(axes: "Axes", scores: Scores, layout: LayoutFacts, colour: str, marker: str) -> None:
+    means = sorted(scores.select("curve", layout=layout.layout), key=lambda row: row.params["rank"])
+    share = [100 * row.params["rank"] / len(means) for row in means]
+    values = [row.value for row in means]
     axes.plot(share, values, color=colour, marker=marker, markersize=5, clip_on=False, label=layout.layout)
     if all(mean.low is not None and mean.high is not None for mean in means):
         low, high = [mean.low or 0.0 for mean in means], [mean.high or 0.0 for mean in means]

@@ -8,11 +8,10 @@ from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.pools.records import Entry, Profile, SeatProfile
 from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.pools.crossplay import CrossPlay
-from overcooked_bench.evaluation.shown.tables import interval_text, plain_table
+from overcooked_bench.rendering.table import Column, Table
 
 if TYPE_CHECKING:
-    from rich.console import Group
-    from rich.table import Table
+    from rich.console import Group, RenderableType
 
 DEEDS = ("pots", "deliveries", "counter_drops", "counter_pickups")
 
@@ -26,9 +25,9 @@ def pool_tables(pool: Pool, layouts: Sequence[str]) -> "Group":
     others = len(pool.manifest.entries) - trained
     size = f"{trained} trained agents" + f", {others} scripted entries" * bool(others)
     head = f"{pool.name} ({pool.hash[:8]}) · {size} · cooking {pool.cooking} · actions {pool.mode}"
-    parts: list[Table | Text] = [Text(head, style="bold")]
+    parts: list[RenderableType] = [Text(head, style="bold")]
     for layout in layouts:
-        parts += [Text(""), Text(layout, style="bold"), _agents(pool.partners(layout))]
+        parts += [Text(""), Text(layout, style="bold"), _agents(pool.partners(layout)).terminal()]
     note = (
         "With itself: points per episode [95 % over episodes]; seats: points of the soups that its own chef delivers. "
         "Done: share of the run's steps. Nats: entropy of its actions (uniform: 1.79). How often per episode, both "
@@ -38,37 +37,32 @@ def pool_tables(pool: Pool, layouts: Sequence[str]) -> "Group":
 
 
 def crossplay_tables(found: Sequence[CrossPlay]) -> "Group":
-    """Lays cross-play out: one row a layout."""
+    """Lays cross-play out: one row per layout."""
     from rich.console import Group
     from rich.text import Text
 
     columns = "agents", "with itself", "with strangers", "ratio", "worst pair"
-    table = plain_table("layout", *columns, unbroken=columns)
+    rows = []
     for one in found:
         mine, other, mean = one.worst
-        table.add_row(
-            one.layout,
-            str(len(one.agents)),
-            interval_text(one.self_play, 0),
-            interval_text(one.cross_play, 0),
-            interval_text(one.ratio, 2) if one.ratio else "none",
-            f"{mine}, {other}: {mean:.0f}",
-        )
+        ratio = one.ratio.text(2) if one.ratio else "none"
+        returns = one.self_play.text(0), one.cross_play.text(0)
+        rows.append([one.layout, str(len(one.agents)), *returns, ratio, f"{mine}, {other}: {mean:.0f}"])
+    table = Table(["layout", *(Column(name, wrap=False) for name in columns)], rows)
     note = (
-        "Points an episode; strangers are agents of different lineages, both seats. Intervals: 95 %, for other agents "
+        "Points per episode; strangers are agents of different lineages, both seats. Intervals: 95 %, for other agents "
         "of the same kind (whole agents are drawn with replacement). Ratio: with strangers by with itself; near 0, "
         "each agent has conventions of its own. Worst pair: on seat 0, on seat 1."
     )
-    return Group(table, Text(""), Text(note, style="dim"))
+    return Group(table.terminal(), Text(""), Text(note, style="dim"))
 
 
-def _agents(agents: Sequence[Entry]) -> "Table":
+def _agents(agents: Sequence[Entry]) -> Table:
     profiled = any(agent.training and agent.training.profile for agent in agents)
     columns = ("seats", "nats", "pots", "served", "drops", "picks") if profiled else ()
-    table = plain_table("agent", "method", "done", "with itself", *columns, unbroken=("method", "with itself", "seats"))
-    for agent in agents:
-        table.add_row(agent.name, *_cells(agent))
-    return table
+    heads: list[str | Column] = ["agent", Column("method", wrap=False), "done", Column("with itself", wrap=False)]
+    heads += [Column(name, wrap=name != "seats") for name in columns]
+    return Table(heads, [[agent.name, *_cells(agent)] for agent in agents])
 
 
 def _cells(agent: Entry) -> list[str]:
@@ -77,7 +71,7 @@ def _cells(agent: Entry) -> list[str]:
         return [agent.stratum + ", floor" * (agent.role == "floor")]
     method = training.method + (f" {training.configuration}" if training.configuration else "")
     own = training.self_play
-    returns = interval_text(Estimate(own.mean, own.low, own.high), 0)
+    returns = Estimate(own.mean, own.low, own.high).text(0)
     cells = [] if training.profile is None else _profile(training.profile)
     return [method, f"{100 * training.done:.0f} %", returns, *cells]
 

@@ -1,107 +1,150 @@
-"""Scores as a table for the terminal."""
+"""A score as tables, and in words what they do not say. Terminal and report show the same."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from typing import Literal
 
 from overcooked_bench.estimate import Estimate
-from overcooked_bench.evaluation.scores import Cell, LayoutScore, ScenarioScore, Scores
+from overcooked_bench.evaluation.cells import PartnerLabel
+from overcooked_bench.evaluation.metric import MetricFacts
+from overcooked_bench.evaluation.scores import MEAN, CategoryScore, LayoutFacts, Row, ScenarioScore, Scores
 from overcooked_bench.kitchen.layout import DEFAULT_SOUP_REWARD
+from overcooked_bench.rendering.table import Cell, Column, Number, Table
 
-if TYPE_CHECKING:
-    from rich.console import Group
-    from rich.table import Table
+NONE = "-"
 
 
-def score_tables(scores: Scores) -> "Group":
-    """Lays a score out: one row a layout, worst and best partners and the floors below, and what the numbers mean."""
-    from rich.console import Group
-    from rich.text import Text
+def layouts_table(scores: Scores, place: Literal["terminal", "report"]) -> Table:
+    """Lays out one row per layout and one column per metric, with the mean over all layouts below.
 
-    pool = f"pool {scores.pool.name} ({scores.pool.sha256[:8]})" if scores.pool else "no pool"
-    head = f"{scores.agent.name} · protocol {scores.protocol.name} ({scores.protocol.sha256[:8]}) · {pool}"
-    blank = Text("")
-    parts: list[Table | Text] = [Text(head, style="bold"), blank]
-    if scores.layouts:
-        parts += [_layouts(scores), blank, _partners(scores), blank]
-    if scores.scenarios:
-        parts += [_scenarios(scores.scenarios), blank]
-    parts += [Text(note, style="dim") for note in notes(scores)]
-    return Group(*parts)
+    Args:
+        scores: What to show.
+        place: Where it is shown; metrics say whether they are a column there.
+    """
+    columns: list[tuple[str, str, dict[str, float], int | None]] = []
+    for facts in scores.metrics:
+        if place not in facts.tables:
+            continue
+        found = _distinct(row.params for row in scores.select(facts.name, partner=None, stratum=None))
+        for params in found or [{}] * (facts.name == MEAN):
+            columns.append((facts.heading(params), facts.name, params, None))
+            if facts.name == MEAN:
+                columns += [(f"seat {seat}", MEAN, params, seat) for seat in scores.settings.play.seats]
+    known = {facts.name: facts for facts in scores.metrics}
+
+    def cells(layout: str | None) -> list[Cell]:
+        found = ((scores.find(m, layout=layout, params=p, seat=seat), known[m], seat) for _, m, p, seat in columns)
+        return [
+            NONE if row is None else figure(row.estimate, facts, None if seat is None else False)
+            for row, facts, seat in found
+        ]
+
+    rows: list[list[Cell]] = [[_name(layout), *cells(layout.layout)] for layout in scores.layouts]
+    rows += [[declined.layout, "declined"] for declined in scores.declined]
+    foot: list[list[Cell]] = []
+    if scores.overall is None:
+        foot = [["overall", "none"]]
+    elif len(scores.layouts) > 1:
+        foot = [["mean of layouts", *("" if cell == NONE else cell for cell in cells(None))]]
+    return Table(["layout", *(Column(heading, wrap=metric == MEAN) for heading, metric, *_ in columns)], rows, foot)
+
+
+def partners_table(scores: Scores) -> Table:
+    """Lays out one row per layout: the worst partner, the best one, and the floors."""
+    floors = sorted({label.name for layout in scores.layouts for label in layout.partners if not label.counts})
+    rows: list[list[Cell]] = []
+    for layout in scores.layouts:
+        pairs = scores.with_partners(layout)
+        means = (scores.find(layout=layout.layout, partner=name) for name in floors)
+        ends = [f"{name_of(label)} {row.value:.1f}" for label, row in (pairs[0], pairs[-1])]
+        rows.append([_name(layout), *ends, *(f"{row.value:.1f}" if row else NONE for row in means)])
+    return Table(["layout", "worst partner", "best partner", *(f"floor\n{name}" for name in floors)], rows)
+
+
+def cells_table(scores: Scores, layout: LayoutFacts) -> Table:
+    """Lays out one row per partner of a layout, with everything that is known about it."""
+    known = [facts for facts in scores.metrics if any(scores.select(facts.name, layout=layout.layout, seat=None))]
+    others = [
+        (facts, params)
+        for facts in known
+        if facts.name != MEAN
+        for params in _distinct(row.params for row in _of_partners(scores, layout, facts))
+    ]
+    seats = scores.settings.play.seats
+    heads = ["partner", "kind", "mean [95 %]", *(f"seat {seat}" for seat in seats)]
+    heads += [facts.heading(params) for facts, params in others]
+    mean = next(facts for facts in scores.metrics if facts.name == MEAN)
+    counting = [label for label, _ in scores.with_partners(layout)]
+    rows: list[list[Cell]] = []
+    for label in (*counting, *(label for label in layout.partners if not label.counts)):
+        who = {"layout": layout.layout, "partner": label.name}
+        own = scores.find(**who)
+        by_seat = [scores.find(**who, seat=seat) for seat in seats]
+        row: list[Cell] = [name_of(label), label.stratum if label.counts else label.kind]
+        row += [NONE if own is None else figure(own.estimate, mean)]
+        row += [NONE if one is None else figure(one.estimate, mean, False) for one in by_seat]
+        for facts, params in others:
+            one = scores.find(facts.name, **who, params=params)
+            row.append(NONE if one is None else figure(one.estimate, facts, False))
+        rows.append([*row, label.sha256[:12]])
+    return Table([*heads, "SHA-256"], rows)
+
+
+def scenarios_table(scenarios: ScenarioScore) -> Table:
+    """Lays out what was passed by category."""
+
+    def cells(one: CategoryScore) -> list[Cell]:
+        missing = count_text(one.not_attempted) if one.not_attempted else NONE
+        share = Number(f"{one.share.value:.2f}", one.share.text(2).partition(" ")[2])
+        return [one.category, count_text(one.passed), str(one.items), share, missing]
+
+    heads = ["scenarios", "passed", "of", "mean of families [95 %]", "not attempted"]
+    return Table(heads, [cells(one) for one in scenarios.categories], [cells(scenarios.total)])
+
+
+def figure(estimate: Estimate, facts: MetricFacts, interval: bool | None = None) -> Number:
+    """Writes a number of a metric as a cell.
+
+    Args:
+        estimate: The number.
+        facts: The metric.
+        interval: Whether its interval is wanted; by default the metric says so.
+    """
+    share = facts.unit == "share"
+    scaled = [None if end is None else end * (100 if share else 1) for end in estimate]
+    value, low, high = (NONE if end is None else f"{end:.{facts.digits}f}" for end in scaled)
+    wanted = facts.interval if interval is None else interval
+    ends = f"[{low}, {high}]" if wanted and estimate.interval else ""
+    return Number(value + " %" * share, ends)
 
 
 def notes(scores: Scores) -> list[str]:
-    """Says in words what the table does not: what the intervals are about, what is undecided, what was not played."""
+    """Says in words what the tables do not: what the intervals are about, what is undecided, what was not played."""
     said = [f"Points per episode ({_worth(scores)}). {scores.interval}"]
-    levels = ", ".join(f"{soups:g}" for soups in scores.settings.report.thresholds)
-    if levels:
-        said.append(f"≥{levels.replace(', ', ', ≥')}: share of partners with a mean of at least so many soups.")
-    if any(layout.floors for layout in scores.layouts):
+    said += [facts.note for facts in scores.metrics if facts.note and any(scores.select(facts.name))]
+    if any(not label.counts for layout in scores.layouts for label in layout.partners):
         said.append("Floors are played and shown, and enter no score.")
-    undecided = [
-        f"{threshold.undecided} at {threshold.soups:g} ({layout.layout})"
-        for layout in scores.layouts
-        for threshold in layout.thresholds
-        if threshold.undecided
-    ]
-    if undecided:
-        said.append(f"Partners within two standard errors of a threshold: {', '.join(undecided)}.")
-    said += [f"{layout.layout}: {layout.low_quantile}" for layout in scores.layouts if layout.low_quantile]
+    near = [f"{r.value:.0f} at {r.params['soups']:g} ({r.layout})" for r in scores.select("undecided") if r.value]
+    if near:
+        said.append(f"Partners within two standard errors of a threshold: {', '.join(near)}.")
+    said += [f"{layout.layout}: {layout.remark}" for layout in scores.layouts if layout.remark]
     adapted = [layout.layout for layout in scores.layouts if layout.adapted]
     if adapted:
         said.append(f"Adapted (played by its mirror image): {', '.join(adapted)}.")
-    if scores.not_attempted:
-        said.append(f"Not attempted: {', '.join(scores.not_attempted)}.")
+    said += [f"Declined: {one.layout} ({one.reason})." for one in scores.declined]
+    if scores.unranked:
+        said.append(f"No overall score, which is the mean over all layouts of the protocol: {scores.unranked}.")
     if scores.scenarios:
-        said.append("Scenarios: passed from each seat in each mirror; the mean of families counts alike ones as one.")
-    if any(cell.is_ego for layout in scores.layouts for cell in layout.cells):
+        said.append(
+            "Scenarios: passed from each seat in each mirror; the mean of families counts similar scenarios as one."
+        )
+    if any(label.is_ego for layout in scores.layouts for label in layout.partners):
         said.append("* the scored agent itself is among the partners.")
     return said
 
 
-def _worth(scores: Scores) -> str:
-    """Returns what a soup pays, by layout where they differ."""
-    worth = {layout.layout: layout.soup_points for layout in scores.layouts}
-    if len(set(worth.values())) > 1:
-        return "one soup = " + ", ".join(f"{points:g} on {layout}" for layout, points in worth.items())
-    return f"one soup = {next(iter(worth.values()), DEFAULT_SOUP_REWARD):g}"
-
-
-def interval_text(estimate: Estimate, digits: int = 1) -> str:
-    """Writes `12.3 [10.0, 14.6]`, or the value alone where there is no interval."""
-    if estimate.low is None or estimate.high is None:
-        return f"{estimate.value:.{digits}f}"
-    return f"{estimate.value:.{digits}f} [{estimate.low:.{digits}f}, {estimate.high:.{digits}f}]"
-
-
-def cell_text(cell: Cell) -> str:
-    """Writes `greedy* 12.3`."""
-    return f"{cell.partner}{'*' if cell.is_ego else ''} {cell.mean.value:.1f}"
-
-
-def _layouts(scores: Scores) -> "Table":
-    """Draws means, seats and shares; 80 columns are enough."""
-    table = plain_table("layout", "mean [95 %]", *(f"seat {seat}" for seat in scores.settings.play.seats))
-    for soups in scores.settings.report.thresholds:
-        table.add_column(f"≥{soups:g}", justify="right", no_wrap=True)
-    for layout in scores.layouts:
-        seats = [f"{seat.value:.1f}" for seat in layout.seats]
-        shares = [f"{100 * threshold.share:.0f} %" for threshold in layout.thresholds]
-        table.add_row(_name(layout), interval_text(layout.mean), *seats, *shares)
-    if scores.overall and len(scores.layouts) > 1:
-        table.add_section()
-        table.add_row("mean of layouts", interval_text(scores.overall))
-    return table
-
-
-def _partners(scores: Scores) -> "Table":
-    """Draws the worst and the best partner, and apart from them the floors."""
-    floors = sorted({cell.partner for layout in scores.layouts for cell in layout.floors})
-    table = plain_table("layout", "worst partner", "best partner", *(f"floor\n{name}" for name in floors))
-    for layout in scores.layouts:
-        found = {cell.partner: cell for cell in layout.floors}
-        means = [f"{found[name].mean.value:.1f}" for name in floors]
-        table.add_row(_name(layout), cell_text(layout.worst), cell_text(layout.best), *means)
-    return table
+def name_of(label: PartnerLabel) -> str:
+    """Returns a partner's name, with a star if it is the scored agent itself."""
+    return label.name + "*" * label.is_ego
 
 
 def count_text(count: float) -> str:
@@ -109,28 +152,22 @@ def count_text(count: float) -> str:
     return f"{count:.1f}".removesuffix(".0")
 
 
-def _scenarios(scenarios: ScenarioScore) -> "Table":
-    """Draws what was passed by category."""
-    table = plain_table("scenarios", "passed", "of", "mean of families [95 %]", "not attempted")
-    for one in (*scenarios.categories, scenarios.total):
-        if one is scenarios.total:
-            table.add_section()
-        missing = count_text(one.not_attempted) if one.not_attempted else "-"
-        table.add_row(one.category, count_text(one.passed), str(one.items), interval_text(one.share, 2), missing)
-    return table
+def _worth(scores: Scores) -> str:
+    """Says what a soup is worth: the same on all layouts as a rule, else layout by layout."""
+    points = {layout.layout: layout.soup_points for layout in scores.layouts}
+    if len(set(points.values())) <= 1:
+        return f"one soup = {next(iter(points.values()), DEFAULT_SOUP_REWARD):g}"
+    return "one soup = " + ", ".join(f"{worth:g} on {layout}" for layout, worth in points.items())
 
 
-def plain_table(first: str, *others: str, unbroken: Sequence[str] = ()) -> "Table":
-    """Makes an empty table: the first column to the left, the others to the right; some are never wrapped."""
-    from rich import box
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
-    table.add_column(first, no_wrap=True)
-    for name in others:
-        table.add_column(name, justify="right", no_wrap=name in unbroken)
-    return table
-
-
-def _name(layout: LayoutScore) -> str:
+def _name(layout: LayoutFacts) -> str:
     return layout.layout + (" (adapted)" if layout.adapted else "")
+
+
+def _of_partners(scores: Scores, layout: LayoutFacts, facts: MetricFacts) -> Iterable[Row]:
+    return (row for row in scores.select(facts.name, layout=layout.layout, seat=None) if row.partner is not None)
+
+
+def _distinct(given: Iterable[dict[str, float]]) -> list[dict[str, float]]:
+    """Keeps each set of parameters once, in the order of its first use."""
+    return [dict(items) for items in dict.fromkeys(tuple(sorted(params.items())) for params in given)]

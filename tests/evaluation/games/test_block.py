@@ -8,6 +8,7 @@ import pytest
 
 from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.agents.submissions.checks import AgentError
+from overcooked_bench.evaluation.games.asking import Answer, ask_block
 from overcooked_bench.evaluation.games.block import play_block
 from overcooked_bench.evaluation.protocol import read_protocol
 from overcooked_bench.rendering.replay import frames_of
@@ -134,20 +135,24 @@ def test_a_pool_that_was_changed_is_not_played(protocol, pool_folder):
 
 
 @pytest.mark.parametrize("where", ["make", "reset"])
-def test_an_unknown_layout_is_not_a_fault(where, protocol, tmp_path):
+def test_an_agent_that_is_asked_may_decline(where, protocol, tmp_path):
     agent = write_agent(tmp_path / "agent.py", **{where: "raise UnknownLayout('never heard of ' + layout)"})
+    assert ask_block(block(protocol, agent)) == Answer("cramped_room", declined="never heard of cramped_room")
     outcome = play_block(block(protocol, agent))
-    assert (outcome.fault, outcome.unknown) == (None, "never heard of cramped_room")
+    assert "it declines (never heard of cramped_room), although" in outcome.fault
+
+
+def test_other_faults_are_left_to_be_found_by_playing(protocol, tmp_path):
+    for where, act in (("make", "return None"), ("reset", "raise SystemExit(3)")):
+        agent = write_agent(tmp_path / "agent.py", **{where: act})
+        assert ask_block(block(protocol, agent)) == Answer("cramped_room")
 
 
 def test_in_a_mirrored_kitchen_an_agent_that_knows_the_plain_one_is_shown_its_image(protocol, pool_folder, tmp_path):
-    refusal = "if layout != 'cramped_room': raise UnknownLayout(layout)"
-    agent = write_agent(tmp_path / "agent.py", make=refusal)
-    outcome = play_block(block(protocol, agent, layout="cramped_room-mirrored", pool=pool_folder))
-    assert (outcome.adapted, outcome.unknown, len(outcome.episodes)) == (True, None, 8)
-    other = play_block(block(protocol, write_agent(tmp_path / "b.py"), layout="cramped_room-mirrored"))
-    assert not other.adapted
-    never = play_block(
-        block(protocol, write_agent(tmp_path / "c.py", make="raise UnknownLayout(layout)"), "cramped_room-mirrored")
-    )
-    assert never.unknown == "cramped_room"
+    refusal, mirror = "if layout != 'cramped_room': raise UnknownLayout(layout)", "cramped_room-mirrored"
+    first = block(protocol, write_agent(tmp_path / "agent.py", make=refusal), layout=mirror, pool=pool_folder)
+    assert ask_block(first) == Answer(mirror, adapted=True)
+    assert len(play_block(replace(first, adapted=True)).episodes) == 8
+    assert ask_block(block(protocol, write_agent(tmp_path / "b.py"), layout=mirror)) == Answer(mirror)
+    never = write_agent(tmp_path / "c.py", make="raise UnknownLayout(layout)")
+    assert ask_block(block(protocol, never, layout=mirror)) == Answer(mirror, declined="cramped_room")

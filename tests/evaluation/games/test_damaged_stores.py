@@ -14,8 +14,8 @@ import pytest
 from overcooked_bench.cli import main
 from overcooked_bench.evaluation.games.block import play_block
 from overcooked_bench.evaluation.games.episode import COLUMNS, checksum
-from overcooked_bench.evaluation.games.recording import find_recording, read_settings
-from overcooked_bench.evaluation.games.replayed import check_returns
+from overcooked_bench.evaluation.games.recording import find_recording
+from overcooked_bench.evaluation.games.replayed import check_returns, read_settings
 from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.kitchen.layout import Layout
 from tests.evaluation.games.test_store import FACTS, episode

@@ -3,6 +3,7 @@
 import re
 import shlex
 from dataclasses import replace
+from html import unescape
 from html.parser import HTMLParser
 from io import StringIO
 
@@ -16,11 +17,11 @@ from overcooked_bench.cli import main
 from overcooked_bench.evaluation.games.recording import find_recording
 from overcooked_bench.evaluation.games.store import StoreError
 from overcooked_bench.evaluation.protocol import read_protocol
-from overcooked_bench.evaluation.score import EPISODES_FILE, score
+from overcooked_bench.evaluation.scores import EPISODES_FILE, Declined
 from overcooked_bench.evaluation.shown.plots import draw_curve
 from overcooked_bench.evaluation.shown.report import write_report
-from overcooked_bench.evaluation.shown.tables import score_tables
-from tests.evaluation.made import protocol_text, write_agent
+from overcooked_bench.evaluation.shown.terminal import score_tables
+from tests.evaluation.made import protocol_text, score, write_agent
 
 
 @pytest.fixture(scope="module")
@@ -70,11 +71,29 @@ def test_the_page_needs_nothing_else(scored):
 def test_the_pages_commands_replay_the_worst_episode(scored, capsys):
     text = (scored.folder / "report.html").read_text()
     commands = re.findall(r"<code>(.*?)</code>", text)
-    assert len(commands) == len(scored.scores.layouts[0].cells)
-    words = shlex.split(commands[0].replace("&amp;", "&").replace("&#x27;", "'"))
+    pairs = scored.scores.with_partners(scored.scores.layouts[0])
+    assert len(commands) == len(pairs)
+    words = shlex.split(unescape(commands[0]))
     assert words[0] == "overcooked-bench"
     assert main(words[1:]) == 0
-    assert f"with {scored.scores.layouts[0].worst.partner}" in capsys.readouterr().out
+    assert f"with {pairs[0][0].name}" in capsys.readouterr().out
+
+
+def test_floors_are_in_sight_and_commands_are_one_line(scored):
+    text = (scored.folder / "report.html").read_text()
+    visible = re.sub(r"<details>.*?</details>", "", text, flags=re.DOTALL)
+    assert "<th>floor<br>random</th>" in visible
+    assert "white-space: nowrap" in text
+    assert "white-space: normal" not in text
+
+
+def test_the_curve_follows_the_pages_theme(scored):
+    text = (scored.folder / "report.html").read_text()
+    picture = text[text.index("<svg") : text.index("</svg>")]
+    assert "#ffffff" not in picture
+    assert not re.search(r"#(333333|000000|eeeeee)", picture)
+    assert "currentColor" in picture
+    assert "#0072b2" in picture.lower()
 
 
 def test_the_curve_is_a_picture_with_one_colour_a_layout(scored, tmp_path):
@@ -87,11 +106,13 @@ def test_the_curve_is_a_picture_with_one_colour_a_layout(scored, tmp_path):
 
 
 def test_nothing_attempted_is_drawn_and_told_too(scored, tmp_path):
-    nothing = msgspec.structs.replace(scored.scores, layouts=(), overall=None, not_attempted=("cramped_room",))
+    nothing = msgspec.structs.replace(
+        *(scored.scores,), layouts=(), rows=(), overall=None, declined=(Declined("cramped_room", "too small"),)
+    )
     draw_curve(nothing, tmp_path / "curve.png")
     write_report(nothing, tmp_path / "report.html")
-    assert "Not attempted: cramped_room" in (tmp_path / "report.html").read_text()
-    assert "Not attempted: cramped_room" in shown(nothing)
+    assert "Declined: cramped_room (too small)." in (tmp_path / "report.html").read_text()
+    assert "Declined: cramped_room (too small)." in shown(nothing)
 
 
 def shown(scores):

@@ -1,0 +1,122 @@
+"""Plays the blocks of a score that its store lacks; faults of the agent end nothing but the block that they are in."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Final, NamedTuple
+
+from overcooked_bench.evaluation.games.asking import Answer, ask_block
+from overcooked_bench.evaluation.games.block import Block, Outcome, play_block
+from overcooked_bench.evaluation.games.engines import Engine
+from overcooked_bench.evaluation.games.store import Store
+from overcooked_bench.evaluation.scores import Declined
+from overcooked_bench.files import shown
+
+_LONGEST: Final = 1000  # characters of a fault
+
+
+class Progress(NamedTuple):
+    """How far a score is.
+
+    Attributes:
+        what: What has just been finished: a block of a layout, or scenarios.
+        done: Finished blocks, those of earlier runs included, or finished kitchens of scenarios.
+        of: All of them.
+        episodes: Episodes played in this run.
+    """
+
+    what: str
+    done: int
+    of: int
+    episodes: int
+
+
+class Played(NamedTuple):
+    """What came of the blocks.
+
+    Attributes:
+        episodes: How many were played in this run.
+        finished: Layouts of which every block is in the store.
+        declined: Layouts that the agent does not play.
+        faults: What the agent did wrong, each at a named cell.
+    """
+
+    episodes: int
+    finished: tuple[str, ...]
+    declined: tuple[Declined, ...]
+    faults: tuple[str, ...]
+
+
+def play_blocks(
+    store: Store,
+    blocks: Sequence[Block],
+    engine: Engine,
+    act_timeout: float,
+    on_progress: Callable[[Progress], object],
+) -> Played:
+    """Plays the blocks that the store lacks. The agent is first asked once per layout whether it plays there.
+
+    Args:
+        store: Where finished blocks are, and are written.
+        blocks: All blocks of the score.
+        engine: Where they are played.
+        act_timeout: Seconds that one call of a submission may take.
+        on_progress: Called after each block.
+
+    Raises:
+        StoreError: A block cannot be written; those before it are in the store.
+    """
+    before = store.blocks()
+    layouts = list(dict.fromkeys(block.layout for block in blocks))
+    adapted = dict.fromkeys(store.adapted(), True) | dict.fromkeys({key[0] for key in before} - store.adapted(), False)
+    faults: dict[tuple[str, int, int], str] = {}
+    declined: dict[str, str] = {}
+    first = {block.layout: block for block in reversed(blocks)}
+    questions = [first[layout] for layout in layouts if layout not in adapted]
+    for answer in engine.map(ask_block, questions, _unanswered, act_timeout):
+        if answer.fault is not None:
+            faults[first[answer.layout].key] = answer.fault
+        elif answer.declined is not None:
+            declined[answer.layout] = answer.declined
+        else:
+            adapted[answer.layout] = answer.adapted
+    wanted = [block for block in blocks if block.layout in adapted]
+    to_play = [replace(block, adapted=adapted[block.layout]) for block in wanted if block.key not in before]
+    done, episodes = len(wanted) - len(to_play), 0
+    for outcome in engine.map(play_block, to_play, _lost, act_timeout):
+        if outcome.fault is not None:
+            faults[outcome.key] = outcome.fault
+        else:
+            store.add_block(outcome.key, outcome.episodes, adapted[outcome.key[0]])
+            episodes += len(outcome.episodes)
+        done += 1
+        on_progress(Progress(outcome.key[0], done, len(wanted), episodes))
+    there = store.blocks()
+    missing = {block.layout for block in blocks if block.key not in there}
+    return Played(
+        episodes=episodes,
+        finished=tuple(layout for layout in layouts if layout not in missing),
+        declined=tuple(Declined(layout, declined[layout]) for layout in layouts if layout in declined),
+        faults=tuple(dict.fromkeys(one_line(faults[block.key]) for block in blocks if block.key in faults)),
+    )
+
+
+def one_line(fault: str) -> str:
+    """Returns a fault as a line that can be printed and is not too long, whatever an agent's message says."""
+    return " ".join(shown(fault, _LONGEST).split())
+
+
+def summary_of(faults: Sequence[str], most: int = 10) -> list[str]:
+    """Returns some faults, and how many there are besides."""
+    more = [f"and {len(faults) - most} more faults, which score.json lists"] * (len(faults) > most)
+    return [*faults[:most], *more]
+
+
+def _lost(block: Block, why: str) -> Outcome:
+    """Blames the agent for a block whose worker process died or was overdue."""
+    where = f"{block.layout}, training seed {block.training_seed}, episode {block.episode}"
+    return Outcome(block.key, fault=f"{where}: {why}")
+
+
+def _unanswered(block: Block, why: str) -> Answer:
+    """Blames it for a worker process that died or was overdue while it was asked about a layout."""
+    return Answer(block.layout, fault=f"{block.layout}, training seed {block.training_seed}, before any step: {why}")
