@@ -12,7 +12,8 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_
 
 from overcooked_bench.documents import parse_yaml
 from overcooked_bench.errors import WrongUse
-from overcooked_bench.kitchen.layout import MIRRORED, Layout, LayoutError
+from overcooked_bench.kitchen.errors import LayoutError
+from overcooked_bench.kitchen.layout import MIRRORED, Layout
 from overcooked_bench.shelf import guess
 
 from .learning.settings import Settings

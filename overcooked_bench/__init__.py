@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from overcooked_bench.evaluation.pools.crossplay import cross_play
     from overcooked_bench.evaluation.score import score
     from overcooked_bench.evaluation.scores import read_scores
+    from overcooked_bench.kitchen.errors import LayoutError
     from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
-    from overcooked_bench.kitchen.layout import Layout, LayoutError
+    from overcooked_bench.kitchen.layout import Layout
     from overcooked_bench.kitchen.state import Chef, KitchenState, Soup
     from overcooked_bench.scenarios.runner import run_scenarios
 
@@ -30,7 +31,7 @@ _HOMES = {
     "KitchenState": "kitchen.state",
     "Kitchens": "kitchen.kitchens",
     "Layout": "kitchen.layout",
-    "LayoutError": "kitchen.layout",
+    "LayoutError": "kitchen.errors",
     "Pool": "agents.pools.pool",
     "Soup": "kitchen.state",
     "StepResult": "kitchen.kitchens",

@@ -14,7 +14,8 @@ from overcooked_bench.agents.policies.policy import PolicyError
 from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.estimate import t_interval
-from overcooked_bench.kitchen.layout import Layout, LayoutError
+from overcooked_bench.kitchen.errors import LayoutError
+from overcooked_bench.kitchen.layout import Layout
 
 from ..presets import PresetError, checked, config_names, named_settings
 from .checkpoint import CheckpointError

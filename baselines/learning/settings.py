@@ -9,7 +9,7 @@ from overcooked_bench.kitchen.observations.registry import find_observation
 
 _COUNTS: Final = ("num_kitchens", "rollout", "epochs", "minibatches", "horizon", "filters", "previous", "threads")
 _SHARES: Final = ("gamma", "gae_lambda", "entropy_share", "shaping_share", "check_share", "object_probability")
-_FROM_0: Final = ("learning_rate_end", "value_coefficient", "entropy_start", "entropy_end", "restarts")
+_FROM_0: Final = ("learning_rate_end", "value_coefficient", "entropy_start", "entropy_end", "restarts", "check_soups")
 _RANGES: Final = (
     (_COUNTS, 1, inf, "a number from 1"),
     (_SHARES, 0, 1, "a share from 0 to 1"),

@@ -10,8 +10,20 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from overcooked_bench.errors import WrongUse
 from overcooked_bench.kitchen.events import EVENTS
 from overcooked_bench.shelf import guess
+
+
+def shaping_weight(shaping: float) -> float:
+    """Returns the weight of partial rewards.
+
+    Raises:
+        WrongUse: It is no finite number.
+    """
+    if not isfinite(shaping):
+        raise WrongUse(f"shaping={shaping!r}; give a finite weight of the partial rewards, such as 0.0 or 1.0")
+    return float(shaping)
 
 
 def event_weights(event_rewards: Mapping[str, float]) -> NDArray[np.float64]:

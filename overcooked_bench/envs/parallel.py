@@ -9,6 +9,7 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete
 from numpy.typing import NDArray
 
+from overcooked_bench.envs.event_rewards import shaping_weight
 from overcooked_bench.envs.frames import RENDER_FPS, RENDER_MODES, checked_mode, frame
 from overcooked_bench.envs.spaces import action_space, observation_space
 from overcooked_bench.kitchen.kitchens import Kitchens
@@ -74,7 +75,7 @@ class ParallelKitchen(ParallelEnv if ParallelEnv else object):  # type: ignore[m
         self.observation_spaces = {chef: observation_space(self.kitchens, observation) for chef in CHEFS}
         self.action_spaces = {chef: action_space() for chef in CHEFS}
         self._observation = observation
-        self._shaping = float(shaping)
+        self._shaping = shaping_weight(shaping)
         self._joint = np.zeros((1, 2), np.int64)
 
     def observation_space(self, agent: str) -> Box:

@@ -16,7 +16,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices,
 
 from overcooked_bench.agents.agent import Agent, Reference
 from overcooked_bench.envs.episode_log import EpisodeLog, generator_state, set_generator_state
-from overcooked_bench.envs.event_rewards import event_weights
+from overcooked_bench.envs.event_rewards import event_weights, shaping_weight
 from overcooked_bench.envs.frames import frame
 from overcooked_bench.envs.partners import Partners
 from overcooked_bench.envs.seats import RANDOM_SEAT, STAY_ACTION, checked_seat
@@ -92,7 +92,7 @@ class OvercookedVecEnv(VecEnv):
         if self._partners:
             self._partners.fit(self.kitchens)
         self._observation = observation
-        self._shaping = float(shaping)
+        self._shaping = shaping_weight(shaping)
         self._num_kitchens = num_envs
         self._rng = np.random.default_rng()
         self._recording = EpisodeLog(num_envs)
@@ -108,7 +108,7 @@ class OvercookedVecEnv(VecEnv):
 
     def set_shaping(self, weight: float) -> None:
         """Sets the weight of partial rewards from the next step on."""
-        self._shaping = float(weight)
+        self._shaping = shaping_weight(weight)
 
     def set_event_share(self, share: float) -> None:
         """Sets what share of `event_rewards` is paid from the next step on, 1 at first."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import Agent, Reference
 from overcooked_bench.agents.seated import Views
+from overcooked_bench.envs.event_rewards import shaping_weight
 from overcooked_bench.envs.frames import RENDER_FPS, RENDER_MODES, checked_mode, frame
 from overcooked_bench.envs.seats import (
     LARGEST_DRAW,
@@ -156,7 +157,7 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
         self.action_space = action_space()
         self.observation_space = observation_space(self.kitchens, observation)
         self._observation = observation
-        self._shaping = float(shaping)
+        self._shaping = shaping_weight(shaping)
         self._joint = np.full((1, 2), STAY_ACTION, np.int64)
         self._rewards, self._truncated = np.zeros((2, 1, 2)), np.zeros(1, np.bool_)
         self._seat = -1

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from overcooked_bench.agents.agent import Agent, Reference
 from overcooked_bench.agents.seated import Views
+from overcooked_bench.envs.event_rewards import shaping_weight
 from overcooked_bench.envs.frames import RENDER_FPS, RENDER_MODES, checked_mode, frame
 from overcooked_bench.envs.seats import (
     LARGEST_DRAW,
@@ -107,7 +108,7 @@ class OvercookedVectorEnv(VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
         self.single_observation_space = observation_space(self.kitchens, observation)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self._observation = observation
-        self._shaping = float(shaping)
+        self._shaping = shaping_weight(shaping)
         self._streams: list[np.random.Generator] = []
         self._stream_seeds: list[int] = []
         self._started = False

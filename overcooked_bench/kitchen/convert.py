@@ -20,6 +20,7 @@ from overcooked_bench.kitchen.codes import (
     Position,
     pot_recipe,
 )
+from overcooked_bench.kitchen.errors import StateError, said
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.state import FACINGS, Chef, KitchenState, Soup, Thing, row_major
 from overcooked_bench.kitchen.tables import Tables
@@ -70,18 +71,18 @@ def write_state(batch: Batch, tables: Tables, layout: Layout, i: int, state: Kit
     Cook times come from the layout; a state's own are only used to say how long a soup has cooked.
 
     Raises:
-        ValueError: The state is not legal in this layout; nothing was changed then.
+        StateError: The state is not legal in this layout; nothing was changed then.
     """
     for wanted, given, what in (
         (layout.orders, state.orders, "orders"),
         (layout.bonus_orders, state.bonus_orders, "bonus"),
     ):
         if given is not None and state.orders is not None and set(given) != set(wanted):
-            raise ValueError(
+            raise StateError(
                 f"the state's {what} are {sorted(given)} (onions, tomatoes), the layout's {sorted(wanted)}"
             )
-    if not 0 <= state.timestep <= horizon:
-        raise ValueError(f"timestep {state.timestep}; the horizon is {horizon} steps")
+    if not _is_whole(state.timestep) or not 0 <= state.timestep <= horizon:
+        raise StateError(f"timestep {said(state.timestep)}; the horizon is {horizon} steps")
     cells, remaining = _place_objects(tables, layout, state)
     position, facing, held = _place_chefs(tables, layout, state)
     batch.cells[i], batch.remaining[i] = cells, remaining
@@ -95,7 +96,7 @@ def _place_objects(
     """Gives the codes of all cells and the remaining steps of the pots."""
     strange = [position for position in state.objects if not _is_cell(position)]
     if strange:
-        raise ValueError(f"an object lies at {strange[0]!r}; positions are (x, y) of whole numbers")
+        raise StateError(f"an object lies at {said(strange[0])}; positions are (x, y) of whole numbers")
     cells, remaining, pots = tables.fresh.copy(), np.zeros(len(tables.pots), np.uint16), tables.pots.tolist()
     for (x, y), thing in row_major(state.objects).items():
         where = f"{_name(thing)} at ({x}, {y})"
@@ -112,34 +113,38 @@ def _place_objects(
             cells[cell] = (POT_COOKING if left else POT_READY) + recipe
             remaining[pots.index(cell)] = left
         else:
-            raise ValueError(f"{where}: things lie on counters (X) and soups in pots (P), and this is {tile!r}")
+            raise StateError(f"{where}: things lie on counters (X) and soups in pots (P), and this is {tile!r}")
     return cells, remaining
 
 
 def _place_chefs(tables: Tables, layout: Layout, state: KitchenState) -> tuple[list[int], list[int], list[int]]:
     """Gives both chefs' cells, directions and items."""
     if len(state.chefs) != 2 or any(not _is_cell(chef.position) for chef in state.chefs):
-        raise ValueError(f"chefs are {state.chefs!r}; give two, each at (x, y) of whole numbers")
+        raise StateError(f"chefs are {said(state.chefs)}; give two, each at (x, y) of whole numbers")
     position, facing, held = [], [], []
     for seat, chef in enumerate(state.chefs):
         x, y = chef.position
         cell = y * layout.width + x
         inside = 0 <= x < layout.width and 0 <= y < layout.height
         if not inside or tables.fresh[cell] != FLOOR:
-            raise ValueError(f"chef {seat} stands at ({x}, {y}), which is no floor")
+            raise StateError(f"chef {seat} stands at ({x}, {y}), which is no floor")
         if chef.facing not in FACINGS:
-            raise ValueError(f"chef {seat} faces {chef.facing!r}; directions are {', '.join(FACINGS)}")
+            raise StateError(f"chef {seat} faces {said(chef.facing)}; directions are {', '.join(FACINGS)}")
         thing = chef.holding
         position.append(cell)
         facing.append(FACINGS.index(chef.facing))
         held.append(NOTHING if thing is None else _item(thing, layout, f"chef {seat}'s {_name(thing)}"))
     if position[0] == position[1]:
-        raise ValueError(f"both chefs stand at {state.chefs[0].position}")
+        raise StateError(f"both chefs stand at {state.chefs[0].position}")
     return position, facing, held
 
 
+def _is_whole(value: object) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
 def _is_cell(position: object) -> bool:
-    return isinstance(position, tuple) and len(position) == 2 and all(isinstance(part, int) for part in position)
+    return isinstance(position, tuple) and len(position) == 2 and all(_is_whole(part) for part in position)
 
 
 def _name(thing: Thing) -> str:
@@ -148,18 +153,18 @@ def _name(thing: Thing) -> str:
 
 def _recipe_index(soup: Soup, where: str) -> int:
     if soup.recipe not in RECIPES[1:]:
-        raise ValueError(f"{where}: a soup has one to three ingredients, (onions, tomatoes)")
+        raise StateError(f"{where}: a soup has one to three ingredients, (onions, tomatoes)")
     if soup.tick < -1:
-        raise ValueError(f"{where}: tick {soup.tick}; it is -1 while idle, then 0 and up")
+        raise StateError(f"{where}: tick {soup.tick}; it is -1 while idle, then 0 and up")
     return RECIPES.index(soup.recipe)
 
 
 def _item(thing: Thing, layout: Layout, where: str) -> int:
     if not isinstance(thing, Soup):
         if thing not in _ITEMS:
-            raise ValueError(f"{where}: things are 'onion', 'tomato', 'dish' and Soup(...)")
+            raise StateError(f"{where}: things are 'onion', 'tomato', 'dish' and Soup(...)")
         return _ITEMS[thing]
     recipe = _recipe_index(thing, where)
     if thing.is_idle or thing.tick < (thing.cook_time if thing.cook_time >= 0 else layout.cook_times[recipe]):
-        raise ValueError(f"{where}: a soup outside the pots is always finished; give it tick = cook_time")
+        raise StateError(f"{where}: a soup outside the pots is always finished; give it tick = cook_time")
     return SOUP + recipe

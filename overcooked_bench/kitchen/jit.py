@@ -11,6 +11,8 @@ from typing import Any, TypeVar
 
 import numba
 
+from overcooked_bench.kitchen.compiled_files import keep_checked
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 DISABLED: bool = bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
 """Whether kernels run as plain Python (NUMBA_DISABLE_JIT=1), the oracle of the tests."""
@@ -31,7 +33,9 @@ def jit(function: Function) -> Function:
     # Read when the function is decorated, never later.
     numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
     try:
-        return numba.njit(cache=True, **options)(function)  # type: ignore[no-any-return]
+        kernel = numba.njit(cache=True, **options)(function)
+        keep_checked(kernel._cache)
+        return kernel  # type: ignore[no-any-return]
     finally:
         numba.config.CACHE_DIR = before  # type: ignore[attr-defined]
 

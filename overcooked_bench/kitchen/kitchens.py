@@ -289,7 +289,7 @@ class Kitchens:
         """Puts kitchen i into a state; its history restarts there.
 
         Raises:
-            ValueError: The state is not legal here; names the chef or the cell. The kitchen is unchanged then.
+            StateError: The state is not legal here; names the chef or the cell. The kitchen is unchanged then.
         """
         self._check_index(i)
         write_state(self.batch, self.tables, self.layout, i, state, self.horizon)

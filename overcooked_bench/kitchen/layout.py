@@ -1,27 +1,24 @@
 """A kitchen's floor plan and menu: read an ASCII grid, check it, name it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import product
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from overcooked_bench.documents import LONGEST, parse_yaml
-from overcooked_bench.errors import WrongUse
 from overcooked_bench.files import read_text, shown
-from overcooked_bench.kitchen.codes import DIRECTIONS, MAX_INGREDIENTS, RECIPES, TILE_NAMES, TILES, Position, Recipe
+from overcooked_bench.kitchen.codes import TILE_NAMES, TILES, Position, Recipe
+from overcooked_bench.kitchen.errors import LayoutError, said
+from overcooked_bench.kitchen.menu import DEFAULT_COOK_TIME, DEFAULT_SOUP_REWARD, PerRecipe, read_menu
+from overcooked_bench.kitchen.regions import able_regions, faced_from, number_regions
 from overcooked_bench.shelf import Shelf, guess
 
 MIRRORED = "-mirrored"
-DEFAULT_SOUP_REWARD = 20
-DEFAULT_COOK_TIME = 20
-LONGEST_COOK_TIME = 254  # grids are uint8, and 255 would make SB3 take them for images
 MOST_CELLS = 4096
-
-PerRecipe = float | Mapping[str, float] | Sequence[float]
-"""One number for all, one for each ingredient, or one for each order."""
-
 
 _CLASSIC: Final = (
     "cramped_room",
@@ -31,10 +28,6 @@ _CLASSIC: Final = (
     "counter_circuit",
 )
 _MENU: Final = ("orders", "bonus_orders", "order_bonus", "soup_reward", "cook_time")
-
-
-class LayoutError(WrongUse):
-    """A grid or its menu breaks a rule; the message says where and what to write instead."""
 
 
 _SHELF: Final = Shelf(
@@ -102,39 +95,8 @@ class Layout:
         Source: overcooked_ai (`SoupState`'s and `Recipe`'s configuration, and its layout files).
         """
         rows, starts = _parse_grid(grid)
-        for key, given in (("orders", orders), ("bonus_orders", bonus_orders)):
-            if isinstance(given, str) or not isinstance(given, Sequence):
-                raise LayoutError(f"{key} is {given!r}; give a list of orders, each a list of ingredients")
-        if isinstance(order_bonus, bool) or not isinstance(order_bonus, int | float) or not order_bonus >= 0:
-            raise LayoutError(f"order_bonus is {order_bonus!r}; give a factor from 0")
-        recipes = tuple(_recipe(order, "orders") for order in orders)
-        bonus = tuple(_recipe(order, "bonus_orders") for order in bonus_orders)
-        if len(set(recipes)) < len(recipes):
-            raise LayoutError(f"orders names a recipe twice: {[list(order) for order in orders]}")
-        if not set(bonus) <= set(recipes or RECIPES[1:]):
-            raise LayoutError(f"bonus_orders {[list(order) for order in bonus_orders]} are not all among the orders")
-        values = _per_recipe(soup_reward, recipes, DEFAULT_SOUP_REWARD, "soup_reward")
-        times = _per_recipe(cook_time, recipes, DEFAULT_COOK_TIME, "cook_time")
-        for recipe, time in zip(RECIPES[1:], times[1:], strict=True):
-            if not 1 <= time <= LONGEST_COOK_TIME or time != int(time):
-                raise LayoutError(
-                    f"cook_time makes {time} steps for {recipe[0]} onions and {recipe[1]} tomatoes; "
-                    f"give whole numbers from 1 to {LONGEST_COOK_TIME}"
-                )
-        paid = set(recipes or RECIPES[1:])
-        layout = cls(
-            name=name or "\n".join(_with_digits(rows, starts)),
-            rows=rows,
-            start_cells=starts,
-            orders=recipes or RECIPES[1:],
-            bonus_orders=bonus,
-            order_bonus=order_bonus,
-            soup_rewards=tuple(
-                float(v * (order_bonus if r in bonus else 1) if r in paid or r in bonus else 0)
-                for r, v in zip(RECIPES, values, strict=True)
-            ),
-            cook_times=tuple(int(t) for t in times),
-        )
+        menu = read_menu(orders, bonus_orders, order_bonus, soup_reward, cook_time)
+        layout = cls(name or "\n".join(_with_digits(rows, starts)), rows, starts, *menu)
         layout._check()
         return layout
 
@@ -230,56 +192,28 @@ class Layout:
     @cached_property
     def regions(self) -> dict[Position, int]:
         """Numbers the separate parts of the floor: (x, y) of a floor cell -> region, from 0 in row-major order."""
-        regions: dict[Position, int] = {}
-        for cell in self.positions(" "):
-            if cell in regions:
-                continue
-            number, edge = len(set(regions.values())), [cell]
-            while edge:
-                x, y = edge.pop()
-                if (x, y) not in regions and self.tile((x, y)) == " ":
-                    regions[x, y] = number
-                    edge += [(x + dx, y + dy) for dx, dy in DIRECTIONS]
-        return regions
+        return number_regions(self.positions(" "))
 
     @cached_property
-    def start_regions(self) -> frozenset[tuple[int, int]]:
-        """Pairs (region of chef 0, region of chef 1) of a random start: a soup is possible, and the regions differ.
+    def start_regions(self) -> NDArray[np.bool_]:
+        """Where a random start may put the chefs, (regions, regions) by the region of chef 0 and that of chef 1.
 
-        One region is used twice only where no two different regions allow a soup.
+        A soup is possible, and the regions differ; one region is used twice only where no two different regions allow
+        a soup.
 
         Source: the thesis, 6.2.1: the reference sampler ignores regions.
         """
-        numbers = sorted(set(self.regions.values()))
-        able = [(a, b) for a, b in product(numbers, numbers) if self._can_serve({a, b})]
-        apart = frozenset((a, b) for a, b in able if a != b)
-        roomy = frozenset((a, a) for a, b in able if a == b and list(self.regions.values()).count(a) > 1)
-        return apart or roomy
+        able = self._able
+        apart = able & ~np.eye(len(able), dtype=np.bool_)
+        if apart.any():
+            return apart
+        roomy = np.bincount(list(self.regions.values())) > 1
+        together: NDArray[np.bool_] = np.diag(np.diag(able) & roomy)
+        return together
 
-    def _reached(self, position: Position) -> set[int]:
-        """Gives the regions whose chefs can face the tile at (x, y)."""
-        x, y = position
-        return {self.regions[x + dx, y + dy] for dx, dy in DIRECTIONS if (x + dx, y + dy) in self.regions}
-
-    def _can_serve(self, chefs: set[int]) -> bool:
-        """Tells whether chefs in these regions can cook an order and serve it, handing things over shared counters."""
-        shared = any(chefs <= self._reached(counter) for counter in self.positions("X"))
-
-        def brought(tiles: str, to: int) -> bool:
-            near = [self._reached(position) & chefs for position in self.positions(tiles)]
-            return any(to in regions or (regions and shared) for regions in near)
-
-        def carried_off(start: int) -> bool:
-            near = [self._reached(position) & chefs for position in self.positions("S")]
-            return any(start in regions or (regions and shared) for regions in near)
-
-        menu = [[letter for letter, n in zip("OT", recipe, strict=True) if n] for recipe in self.orders]
-        return any(
-            all(any(brought(letter, filler) for filler in cooks) for letter in letters)
-            and any(brought("D", plater) and carried_off(plater) for plater in cooks)
-            for cooks in (self._reached(pot) & chefs for pot in self.positions("P"))
-            for letters in menu
-        )
+    @cached_property
+    def _able(self) -> NDArray[np.bool_]:
+        return able_regions(self.rows, self.regions, self.orders)
 
     def _check(self) -> None:
         for letters, what in (("P", "pot (P)"), ("D", "dish dispenser (D)"), ("S", "serving tile (S)")):
@@ -296,12 +230,12 @@ class Layout:
             self._need(letter, TILE_NAMES[letter] + f" ({letter})")
         if len(self.regions) < 2:
             raise LayoutError("two chefs need at least two floor cells (spaces or digits)")
-        if self.start_cells and not self._can_serve({self.regions[cell] for cell in self.start_cells}):
+        if self.start_cells and not self._able[tuple(self.regions[cell] for cell in self.start_cells)]:
             raise LayoutError(
                 "no useful work is possible from the start cells: the chefs' regions and the counters they share "
                 "do not connect an ingredient, a dish, a pot and a serving tile; move a digit or open a wall"
             )
-        if not self.start_regions:
+        if not self.start_regions.any():
             raise LayoutError(
                 "no useful work is possible: no one or two regions of the floor, with the counters they share, connect "
                 "an ingredient, a dish, a pot and a serving tile; open a wall"
@@ -311,7 +245,7 @@ class Layout:
         cells = self.positions(letters)
         if not cells:
             raise LayoutError(f"the grid has no {what}; put one in reach of the floor")
-        if not any(self._reached(cell) for cell in cells):
+        if not any(faced_from(cell, self.regions) for cell in cells):
             x, y = cells[0]
             raise LayoutError(
                 f"row {y + 1}, column {x + 1}: no floor cell lies beside the {what}, so no chef reaches it"
@@ -326,6 +260,12 @@ def layout_names() -> tuple[str, ...]:
 def _parse_grid(  # noqa: C901 (one check after the other, each with its own message)
     grid: str,
 ) -> tuple[tuple[str, ...], tuple[Position, ...]]:
+    if not isinstance(grid, str):
+        raise LayoutError(f"the grid is {said(grid)}; write a text of rows such as 'XXPXX'")
+    if len(grid) > LONGEST:
+        raise LayoutError(
+            f"the grid has {len(grid):,} characters; at most {LONGEST:,} are read, for at most {MOST_CELLS} cells"
+        )
     lines = [line.rstrip("\r") for line in grid.split("\n")]
     while lines and not lines[0].strip():
         lines.pop(0)
@@ -368,35 +308,3 @@ def _with_digits(rows: Sequence[str], starts: Sequence[Position]) -> list[str]:
     for chef, (x, y) in enumerate(starts):
         marked[y][x] = str(chef + 1)
     return ["".join(row) for row in marked]
-
-
-def _recipe(order: Sequence[str], where: str) -> Recipe:
-    names = [order] if isinstance(order, str) else list(order)
-    unknown = [name for name in names if name not in ("onion", "tomato")]
-    if unknown or not 1 <= len(names) <= MAX_INGREDIENTS:
-        raise LayoutError(f"{where} holds {order!r}; write one to three of 'onion' and 'tomato'")
-    return names.count("onion"), names.count("tomato")
-
-
-def _per_recipe(given: Any, orders: Sequence[Recipe], default: float, key: str) -> list[float]:
-    """Resolves one of the three forms to a number for each recipe index."""
-    if isinstance(given, Mapping):
-        if set(given) != {"onion", "tomato"}:
-            raise LayoutError(f"{key} has the keys {sorted(given)}; give both 'onion' and 'tomato'")
-        for ingredient in ("onion", "tomato"):
-            _number(given[ingredient], f"{key}[{ingredient!r}]")
-        return [given["onion"] * onions + given["tomato"] * tomatoes for onions, tomatoes in RECIPES]
-    if isinstance(given, Sequence) and not isinstance(given, str):
-        if len(given) != len(orders):
-            raise LayoutError(f"{key} has {len(given)} numbers for {len(orders)} orders; give one for each")
-        for number in given:
-            _number(number, key)
-        listed = dict(zip(orders, given, strict=True))
-        return [listed.get(recipe, default) for recipe in RECIPES]
-    return [_number(given, key)] * len(RECIPES)
-
-
-def _number(given: Any, key: str) -> float:
-    if isinstance(given, bool) or not isinstance(given, int | float) or given != given:
-        raise LayoutError(f"{key} is {given!r}; give a number, {{'onion': v, 'tomato': v}}, or one number an order")
-    return given

@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Final, Literal, NoReturn
 
 from overcooked_bench.kitchen.codes import ACTION_NAMES, DIRECTIONS, MAX_INGREDIENTS, Position, Recipe
+from overcooked_bench.kitchen.errors import StateError, said
 
 FACINGS = ACTION_NAMES[: len(DIRECTIONS)]
 
@@ -63,13 +64,29 @@ class Chef:
     holding: Thing | None = None
 
 
+class Objects(dict[Position, Thing]):
+    """A dict that is only read: a state may be shown to several agents. `dict(objects)` is a copy to change."""
+
+    def _refuse(self, *_: object, **__: object) -> NoReturn:
+        raise TypeError(
+            "a state's objects are only read; change a copy, dict(state.objects), and make a state of it with "
+            "dataclasses.replace(state, objects=...)"
+        )
+
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refuse
+
+    def __reduce__(self) -> tuple[type["Objects"], tuple[dict[Position, Thing]]]:
+        return Objects, (dict(self),)
+
+
 @dataclass(frozen=True)
 class KitchenState:
     """One kitchen at one moment, readable; `Kitchens.state(i)` gives it and `Kitchens.set_state(i, ...)` takes it.
 
     Attributes:
         chefs: The chefs on seats 0 and 1.
-        objects: (x, y) -> what lies there: things on counters, soups in pots (an empty pot has no entry). Row-major.
+        objects: (x, y) -> what lies there: things on counters, soups in pots (an empty pot has no entry). Row-major,
+            and only read.
         timestep: Steps since the start.
         orders: Recipes that are paid for; None where a foreign state did not say.
         bonus_orders: Recipes that are paid more.
@@ -81,8 +98,13 @@ class KitchenState:
     orders: tuple[Recipe, ...] | None = None
     bonus_orders: tuple[Recipe, ...] = ()
 
+    def __post_init__(self) -> None:
+        """Copies the objects, so that nobody who is shown this state changes it for others."""
+        if type(self.objects) is not Objects:
+            object.__setattr__(self, "objects", Objects(self.objects))
+
     def to_dict(self) -> dict[str, Any]:
-        """Gives overcooked_ai's JSON form of this state."""
+        """Returns overcooked_ai's JSON form of this state."""
         return {
             "players": [
                 {
@@ -106,7 +128,7 @@ class KitchenState:
             data: The parsed JSON. Derived entries (`is_cooking`, ...) may be missing or stale.
 
         Raises:
-            ValueError: Something is missing or not legal; says which entry.
+            StateError: Something is missing or not legal; says which entry.
         """
         try:
             chefs = [
@@ -119,15 +141,20 @@ class KitchenState:
             ]
             objects = {_pair(entry["position"]): _thing(entry) for entry in data["objects"]}
             if len(objects) != len(data["objects"]):
-                raise ValueError("two objects lie on the same cell")
+                raise StateError("two objects lie on the same cell")
             orders = tuple(_dict_recipe(order) for order in data.get("all_orders") or ()) or None
             bonus = tuple(_dict_recipe(order) for order in data.get("bonus_orders") or ())
-            timestep = int(data.get("timestep", 0))
-        except (KeyError, IndexError, TypeError, AttributeError) as error:
-            raise ValueError(f"not a state in overcooked_ai's JSON form: {type(error).__name__}: {error}") from error
+            timestep = _whole(data.get("timestep", 0), "timestep")
+        except KeyError as error:
+            raise StateError(f"not a state in overcooked_ai's JSON form: the entry {error} is missing") from None
+        except (IndexError, TypeError, AttributeError) as error:
+            raise StateError(f"not a state in overcooked_ai's JSON form: {said(data)}") from error
         if len(chefs) != 2:
-            raise ValueError(f"the state has {len(chefs)} players; a kitchen here has two")
+            raise StateError(f"the state has {len(chefs)} players; a kitchen here has two")
         return cls((chefs[0], chefs[1]), row_major(objects), timestep, orders, bonus)
+
+
+_LARGEST: Final = 10**9
 
 
 def row_major(objects: Mapping[Position, Thing]) -> dict[Position, Thing]:
@@ -135,26 +162,35 @@ def row_major(objects: Mapping[Position, Thing]) -> dict[Position, Thing]:
     return dict(sorted(objects.items(), key=lambda entry: (entry[0][1], entry[0][0])))
 
 
-def _pair(value: Any) -> Position:
-    x, y = value
-    return int(x), int(y)
+def _whole(value: Any, what: str) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or not -_LARGEST <= value <= _LARGEST:
+        raise StateError(f"{what} is {said(value)}; give a whole number")
+    return value
+
+
+def _pair(value: Any, what: str = "a position") -> Position:
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise StateError(f"{what} is {said(value)}; give two whole numbers, [x, y]")
+    return _whole(value[0], f"x of {what}"), _whole(value[1], f"y of {what}")
 
 
 def _facing(value: Any) -> str:
-    if _pair(value) not in DIRECTIONS:
-        raise ValueError(f"orientation {value!r}; directions are {', '.join(map(str, DIRECTIONS))}")
-    return FACINGS[DIRECTIONS.index(_pair(value))]
+    direction = _pair(value, "an orientation")
+    if direction not in DIRECTIONS:
+        raise StateError(f"orientation {said(value)}; directions are {', '.join(map(str, DIRECTIONS))}")
+    return FACINGS[DIRECTIONS.index(direction)]
 
 
 def _thing(entry: Mapping[str, Any]) -> Thing:
     name = entry["name"]
     if name != "soup":
         if name not in ("onion", "tomato", "dish"):
-            raise ValueError(f"an object is named {name!r}; names are onion, tomato, dish and soup")
+            raise StateError(f"an object is named {said(name)}; names are onion, tomato, dish and soup")
         return name  # type: ignore[no-any-return]
     recipe = _ingredients([ingredient["name"] for ingredient in entry["_ingredients"]], "a soup")
-    tick = int(entry["_cooking_tick"] if "_cooking_tick" in entry else entry["cooking_tick"])
-    return Soup(recipe, tick, int(entry.get("cook_time") or -1) if tick >= 0 else -1)
+    tick = _whole(entry["_cooking_tick" if "_cooking_tick" in entry else "cooking_tick"], "a soup's cooking tick")
+    time = entry.get("cook_time")
+    return Soup(recipe, tick, _whole(time, "a soup's cook time") or -1 if tick >= 0 and time is not None else -1)
 
 
 def _thing_dict(position: Position, thing: Thing) -> dict[str, Any]:
@@ -175,9 +211,10 @@ def _thing_dict(position: Position, thing: Thing) -> dict[str, Any]:
 
 
 def _ingredients(names: Any, what: str) -> Recipe:
-    recipe = list(names).count("onion"), list(names).count("tomato")
+    names = list(names)[: MAX_INGREDIENTS + 1]
+    recipe = names.count("onion"), names.count("tomato")
     if sum(recipe) != len(names) or not 1 <= len(names) <= MAX_INGREDIENTS:
-        raise ValueError(f"{what} of {list(names)}; one to three of 'onion' and 'tomato' make a soup")
+        raise StateError(f"{what} of {said(names)}; one to three of 'onion' and 'tomato' make a soup")
     return recipe
 
 

@@ -101,10 +101,6 @@ def compile_tables(layout: Layout, cooking: str) -> Tables:
     payments = np.zeros((2, 1 << ITEM_BITS))
     payments[0, SOUP : SOUP + len(RECIPES)] = layout.soup_rewards
     payments[1, : len(RECIPES)] = best_reachable(np.array(layout.soup_rewards))
-    regions = max(layout.regions.values()) + 1
-    allowed = np.zeros((regions, regions), np.bool_)
-    for a, b in layout.start_regions:
-        allowed[a, b] = True
     return Tables(
         ways=ways,
         outcomes=outcomes,
@@ -113,7 +109,7 @@ def compile_tables(layout: Layout, cooking: str) -> Tables:
         pots=np.flatnonzero(fresh >= POT_IDLE).astype(np.uint16),
         fresh=fresh,
         floor=np.array([(y * width + x, region) for (x, y), region in layout.regions.items()], np.uint16),
-        allowed=allowed,
+        allowed=layout.start_regions,
         standard=np.array([y * width + x for x, y in layout.start_cells] or [0, 0], np.uint16),
         orders=np.array([(RECIPES.index(order), *order) for order in layout.orders], np.uint16),
         background=background(layout),

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from overcooked_bench import Kitchens
+from overcooked_bench.kitchen.compiled_files import CheckedFiles
 from tests.kitchen import trace as tracing
 
 PACKAGE = Path(find_spec("overcooked_bench").origin).parent
@@ -104,3 +105,57 @@ def test_compiled_kernels_are_kept_where_numba_is_told_to_and_never_outlive_thei
     script.write_text(KERNEL.replace("+ 1", "+ 2"))
     assert run(script, NUMBA_CACHE_DIR=str(cache)) == "6\n"
     assert len(kept()) == 4
+
+
+DAMAGE = {
+    "empty": lambda data: b"",
+    "cut": lambda data: data[: len(data) // 2],
+    "garbage": lambda data: b"garbage" * 100,
+    "one bit": lambda data: data[: len(data) // 2] + bytes([data[len(data) // 2] ^ 1]) + data[len(data) // 2 + 1 :],
+}
+
+
+@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE)
+def test_a_damaged_file_of_compiled_code_counts_as_absent_and_is_replaced(damage, suffix, tmp_path):
+    files = CheckedFiles(str(tmp_path), "kernel", "stamp")
+    files.save("key", b"code" * 100)
+    assert files.load("key") == b"code" * 100
+    (file,) = tmp_path.glob(f"*.{suffix}")
+    file.write_bytes(damage(file.read_bytes()))
+    assert files.load("key") is None
+    files.save("key", b"code" * 100)
+    assert files.load("key") == b"code" * 100
+    assert len(list(tmp_path.iterdir())) == 2
+    assert CheckedFiles(str(tmp_path), "kernel", "of another source").load("key") is None
+
+
+@pytest.mark.slow
+def test_kernels_run_whatever_became_of_their_files(tmp_path):
+    script, cache = tmp_path / "kernel.py", tmp_path / "cache"
+    script.write_text(KERNEL)
+    run(script, NUMBA_CACHE_DIR=str(cache))
+    (index,), (code,) = cache.rglob("*.nbi"), cache.rglob("*.nbc")
+    code.write_bytes(code.read_bytes()[:-100])
+    assert run(script, NUMBA_CACHE_DIR=str(cache)) == "5\n"
+    index.unlink()
+    (index / "in the way").mkdir(parents=True)  # nothing can be saved now
+    assert run(script, NUMBA_CACHE_DIR=str(cache)) == "5\n"
+
+
+SCRIPTED = """
+from overcooked_bench import load_agent, play_episodes
+
+for name in ("greedy", "onion_courier", "dish_courier", "random"):
+    pair = load_agent(name, "cramped_room"), load_agent("greedy", "cramped_room")
+    print(name, *play_episodes("cramped_room", pair, episodes=2, horizon=60).soup_reward)
+"""
+
+
+@pytest.mark.slow
+def test_scripted_agents_play_uncompiled_as_compiled(tmp_path):
+    script = tmp_path / "scripted.py"
+    script.write_text(SCRIPTED)
+    plain = run(script, NUMBA_DISABLE_JIT="1")
+    assert plain == run(script)
+    assert plain.startswith("greedy 20.0 20.0\n")

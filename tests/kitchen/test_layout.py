@@ -1,5 +1,7 @@
 """Layouts: grids are read and checked, menus take three forms, names and mirror images are found."""
 
+import time
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -126,7 +128,7 @@ def test_bonus_orders_pay_more():
         ({"bonus_orders": [["leek"]]}, "bonus_orders holds .*leek"),
         ({"soup_reward": {"onion": 3}}, r"soup_reward has the keys \['onion'\]; give both 'onion' and 'tomato'"),
         ({"soup_reward": [1, 2]}, "soup_reward has 2 numbers for 1 orders; give one for each"),
-        ({"soup_reward": "much"}, "soup_reward is 'much'; give a number"),
+        ({"soup_reward": "much"}, "soup_reward is 'much'; give a finite number"),
         ({"soup_reward": True}, "soup_reward is True"),
         ({"cook_time": [1, 2]}, "cook_time has 2 numbers for 1 orders"),
         ({"cook_time": 255}, "cook_time makes 255 steps .*; give whole numbers from 1 to 254"),
@@ -281,7 +283,58 @@ def test_regions_are_the_connected_parts_of_the_floor(layout):
 def test_which_regions_a_random_start_may_use(grid, pairs):
     layout = Layout.from_text(grid)
     apart = {(a, b) for a, b in pairs if a != b}
-    assert layout.start_regions == (apart or pairs)
+    assert set(map(tuple, np.argwhere(layout.start_regions).tolist())) == (apart or pairs)
+
+
+def lone_cells(side: int) -> str:
+    """A kitchen whose floor is lone cells, one of which has all that a soup needs."""
+    rows = [["X"] * side for _ in range(side)]
+    for y in range(1, side - 1, 2):
+        rows[y][1 : side - 1 : 2] = " " * ((side - 1) // 2)
+    rows[0][1], rows[1][0], rows[1][2], rows[2][1] = "ODPS"
+    return "\n".join("".join(row) for row in rows)
+
+
+def test_hundreds_of_regions_take_no_time():
+    began = time.perf_counter()
+    layout = Layout.from_text(lone_cells(63))
+    kitchens = Kitchens(layout, 2)
+    kitchens.reset(seed=0)
+    assert time.perf_counter() - began < 2
+    assert layout.start_regions.shape == (961, 961)
+    assert layout.start_regions.sum() == 2 * 960
+    sides = [[layout.regions[chef.position] for chef in kitchens.state(i).chefs] for i in range(2)]
+    assert all(0 in pair and len(set(pair)) == 2 for pair in sides)
+
+
+@law
+@given(layouts())
+def test_a_random_start_is_allowed_where_a_soup_can_be_made_of_what_is_reached(layout):
+    """Said again in the plainest way: two chefs, what they face, and counters that both face."""
+
+    def beside(x, y):
+        return {layout.regions[c] for c in ((x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)) if c in layout.regions}
+
+    faced = {tile: [beside(*cell) for cell in layout.positions(tile)] for tile in "XPODST"}
+    kinds = [[letter for letter, n in zip("OT", order, strict=True) if n] for order in layout.orders]
+
+    def able(a, b):
+        hand_over = any({a, b} <= near for near in faced["X"])
+
+        def has(chef, tile):
+            return any(chef in near or (near & {a, b} and hand_over) for near in faced[tile])
+
+        for pot in faced["P"]:
+            cooks = pot & {a, b}
+            filled = any(all(any(has(chef, letter) for chef in cooks) for letter in letters) for letters in kinds)
+            if cooks and filled and any(has(chef, "D") and has(chef, "S") for chef in cooks):
+                return True
+        return False
+
+    numbers = set(layout.regions.values())
+    apart = {(a, b) for a in numbers for b in numbers if a != b and able(a, b)}
+    roomy = {(a, a) for a in numbers if able(a, a) and list(layout.regions.values()).count(a) > 1}
+    assert set(map(tuple, np.argwhere(layout.start_regions).tolist())) == (apart or roomy)
 
 
 def test_a_random_start_puts_one_chef_in_each_region_even_a_helpless_one_where_a_soup_is_possible():

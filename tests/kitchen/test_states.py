@@ -105,8 +105,8 @@ PLAYERS = PLAIN.to_dict()["players"]
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        ({"players": PLAYERS}, "KeyError: 'objects'"),
-        ({"objects": []}, "KeyError: 'players'"),
+        ({"players": PLAYERS}, "the entry 'objects' is missing"),
+        ({"objects": []}, "the entry 'players' is missing"),
         ({"players": PLAYERS[:1], "objects": []}, "1 players; a kitchen here has two"),
         (
             {"players": PLAYERS, "objects": [{"name": "plate", "position": [0, 0]}]},

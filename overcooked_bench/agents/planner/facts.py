@@ -78,7 +78,7 @@ def look(views: NDArray[np.uint8], facts: Facts) -> None:
         f[IDLE] = f[IDLE] + 1 if f[PARTNER_WAS] == partner else 0
         f[CELL_BEFORE], f[LAST_CELL], f[PARTNER_WAS], f[TRIED] = f[LAST_CELL], f[ME], partner, 0
         f[YIELDING] = max(0, f[YIELDING] - 1)
-        f[RESOLVED] -= (f[RESOLVED] > 0) - (f[RESOLVED] < 0)
+        f[RESOLVED] -= int(f[RESOLVED] > 0) - int(f[RESOLVED] < 0)
         f[THROUGH] = DETOUR if f[IDLE] < IDLE_LONG else FAR if f[IDLE] % ASK_AGAIN >= IDLE_VERY_LONG else 10 * DETOUR
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.kitchen.codes import DIRECTIONS, MAX_INGREDIENTS, RECIPES
+from overcooked_bench.kitchen.jit import jit
 from overcooked_bench.kitchen.layout import Layout
 
 FAR: Final = 10_000
@@ -68,7 +69,9 @@ def make_tables(layout: Layout) -> LayoutTables:
     around = ways[None]
     if cells <= _MOST_CELLS:
         around = np.stack([_ways(grid, beside, c) if tiles[c] == FLOOR else ways for c in range(cells)])
-    onward = np.stack([_onward(tiles, grid[REGION], ways, beside, r) for r in range(grid[REGION].max() + 1)])
+    regions = range(grid[REGION].max() + 1)
+    reach = np.stack([(ways[grid[REGION] == region] < FAR).any(axis=0) for region in regions])
+    onward = np.stack([_onward(tiles, width, grid[REGION], ways, beside, reach, region) for region in regions])
     has_onions, has_tomatoes = bool((tiles == ONIONS).any()), bool((tiles == TOMATOES).any())
     return LayoutTables(grid, ways, around, onward, targets(layout.soup_rewards, has_onions, has_tomatoes))
 
@@ -113,27 +116,45 @@ def _ways(grid: NDArray[np.int64], beside: list[list[int]], blocked: int) -> NDA
     """Computes the steps from each floor cell to each cell without crossing the blocked one (-1 for none)."""
     cells = grid.shape[1]
     ways = np.full((cells, cells), FAR, np.int64)
-    floor = np.flatnonzero(grid[TILE] == FLOOR)
-    for start in floor:
-        steps = {int(start): 0}
-        edge = [int(start)]
-        for c in edge:
-            for n in grid[NEXT:BESIDE, c].tolist():
-                if n >= 0 and n != blocked and n not in steps:
-                    steps[n] = steps[c] + 1
-                    edge.append(n)
-        for c in range(cells):
-            ways[start, c] = min((steps.get(n, FAR) for n in beside[c]), default=FAR)
+    _walk(grid, blocked, np.empty(cells, np.int64), ways)
+    for c, near in enumerate(beside):
+        if grid[TILE, c] != FLOOR and near:
+            ways[:, c] = ways[:, near].min(axis=1)
     return ways
 
 
+@jit
+def _walk(grid: NDArray[np.int64], blocked: int, edge: NDArray[np.int64], ways: NDArray[np.int64]) -> None:
+    """Writes the steps from each floor cell to each floor cell into (C, C) ways full of FAR; `edge` is room for C."""
+    for start in range(grid.shape[1]):
+        if grid[TILE, start] != FLOOR:
+            continue
+        ways[start, start] = 0
+        edge[0] = start
+        done, known = 0, 1
+        while done < known:
+            c = edge[done]
+            done += 1
+            for direction in range(NEXT, BESIDE):
+                n = grid[direction, c]
+                if n >= 0 and n != blocked and ways[start, n] == FAR:
+                    ways[start, n] = ways[start, c] + 1
+                    edge[known] = n
+                    known += 1
+
+
 def _onward(
-    tiles: NDArray[np.int64], regions: NDArray[np.int64], ways: NDArray[np.int64], beside: list[list[int]], region: int
+    tiles: NDArray[np.int64],
+    width: int,
+    regions: NDArray[np.int64],
+    ways: NDArray[np.int64],
+    beside: list[list[int]],
+    reach: NDArray[np.bool_],
+    region: int,
 ) -> NDArray[np.int64]:
-    own = np.flatnonzero(regions == region)
-    in_reach = (ways[own] < FAR).any(axis=0)
-    others = np.flatnonzero((tiles == FLOOR) & (regions != region))
-    shared = in_reach & (tiles == COUNTER) & (ways[others] < FAR).any(axis=0)
+    """Works out the rows of one region; `reach`, (R, C), says which cells each region reaches."""
+    own, in_reach = np.flatnonzero(regions == region), reach[region]
+    shared = in_reach & (tiles == COUNTER) & (reach.sum(axis=0) > 1)
     pots, serving = in_reach & (tiles == POT), in_reach & (tiles == SERVING)
     food_goes = pots if pots.any() else shared
     rows = np.full((ONWARD_ROWS, len(tiles)), FAR, np.int64)
@@ -148,8 +169,8 @@ def _onward(
             rows[item, c] = min(steps[n] for n in beside[c] if regions[n] == region)
     rows[WAITING] = _NEAR * ways[:, food_goes].min(axis=1, initial=FAR)
     for c in own:
-        near = [k for k in range(len(tiles)) if tiles[k] > COUNTER and c in beside[k]]
+        near = [k for k in (c - width, c + width, c + 1, c - 1) if tiles[k] > COUNTER]
         worst = max((_BY_A_POT if tiles[k] == POT else _BY_A_TILE for k in near), default=0)
-        rows[WAITING, c] += worst if others.size == 0 else 0
+        rows[WAITING, c] += worst if len(reach) == 1 else 0
     rows[FLAGS, :2] = pots.any(), serving.any()
     return rows

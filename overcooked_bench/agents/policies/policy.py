@@ -18,7 +18,8 @@ from overcooked_bench.agents.policies.architectures import ARCHITECTURES, Archit
 from overcooked_bench.documents import parse_json
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.files import FileError, read_regular, write_whole
-from overcooked_bench.kitchen.layout import Layout, LayoutError
+from overcooked_bench.kitchen.errors import LayoutError
+from overcooked_bench.kitchen.layout import Layout
 
 __all__ = [
     "ARCHITECTURES",

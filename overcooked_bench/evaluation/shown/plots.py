@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Final
 
 from overcooked_bench.evaluation.scores import LayoutFacts, Scores
-from overcooked_bench.kitchen.layout import DEFAULT_SOUP_REWARD
+from overcooked_bench.kitchen.menu import DEFAULT_SOUP_REWARD
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

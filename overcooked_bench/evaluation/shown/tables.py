@@ -7,7 +7,7 @@ from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.cells import PartnerLabel
 from overcooked_bench.evaluation.metric import MetricFacts
 from overcooked_bench.evaluation.scores import MEAN, CategoryScore, LayoutFacts, Row, ScenarioScore, Scores
-from overcooked_bench.kitchen.layout import DEFAULT_SOUP_REWARD
+from overcooked_bench.kitchen.menu import DEFAULT_SOUP_REWARD
 from overcooked_bench.rendering.table import Cell, Column, Number, Table
 
 NONE = "-"

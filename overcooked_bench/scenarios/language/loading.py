@@ -10,7 +10,8 @@ from overcooked_bench.agents.behaviours.parsing import parse_actions, parse_beha
 from overcooked_bench.documents import LONGEST, Document, parse_yaml
 from overcooked_bench.files import read_text
 from overcooked_bench.kitchen.codes import MAX_INGREDIENTS, PICTURE_NAMES, RECIPES, STAY, Position
-from overcooked_bench.kitchen.layout import Layout, LayoutError
+from overcooked_bench.kitchen.errors import LayoutError
+from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.state import FACINGS, Chef, KitchenState, Soup, Thing, row_major
 from overcooked_bench.scenarios import CATEGORIES, SUFFIX
 from overcooked_bench.scenarios.errors import ScenarioError
