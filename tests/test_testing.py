@@ -6,7 +6,8 @@ import pytest
 from overcooked_bench import UnknownLayout, load_agent
 from overcooked_bench.agents import sample_actions
 from overcooked_bench.agents.scripted import SCRIPTED
-from overcooked_bench.kitchen.layout import LayoutError, layout_names
+from overcooked_bench.kitchen.errors import LayoutError
+from overcooked_bench.kitchen.layout import layout_names
 from overcooked_bench.testing import CheckFailed, check_agent, check_layout, check_submission
 
 

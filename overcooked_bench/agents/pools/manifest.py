@@ -22,7 +22,8 @@ from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.documents import parse_json
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.files import FileError, check_name, read_regular, shown, write_whole
-from overcooked_bench.kitchen.layout import Layout, LayoutError, layout_names
+from overcooked_bench.kitchen.errors import LayoutError
+from overcooked_bench.kitchen.layout import Layout, layout_names
 from overcooked_bench.shelf import guess
 
 if TYPE_CHECKING:
