@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.kitchen.codes import DIRECTIONS, MAX_INGREDIENTS, RECIPES
-from overcooked_bench.kitchen.jit import jit
 from overcooked_bench.kitchen.layout import Layout
 
 FAR: Final = 10_000
@@ -114,33 +113,15 @@ def _beside(tiles: NDArray[np.int64], width: int) -> list[list[int]]:
 
 def _ways(grid: NDArray[np.int64], beside: list[list[int]], blocked: int) -> NDArray[np.int64]:
     """Computes the steps from each floor cell to each cell without crossing the blocked one (-1 for none)."""
+    from overcooked_bench.agents.planner.distances import walk  # compiled, which reading a behaviour need not wait for
+
     cells = grid.shape[1]
     ways = np.full((cells, cells), FAR, np.int64)
-    _walk(grid, blocked, np.empty(cells, np.int64), ways)
+    walk(grid[TILE], grid[NEXT:BESIDE], blocked, np.empty(cells, np.int64), ways)
     for c, near in enumerate(beside):
         if grid[TILE, c] != FLOOR and near:
             ways[:, c] = ways[:, near].min(axis=1)
     return ways
-
-
-@jit
-def _walk(grid: NDArray[np.int64], blocked: int, edge: NDArray[np.int64], ways: NDArray[np.int64]) -> None:
-    """Writes the steps from each floor cell to each floor cell into (C, C) ways full of FAR; `edge` is room for C."""
-    for start in range(grid.shape[1]):
-        if grid[TILE, start] != FLOOR:
-            continue
-        ways[start, start] = 0
-        edge[0] = start
-        done, known = 0, 1
-        while done < known:
-            c = edge[done]
-            done += 1
-            for direction in range(NEXT, BESIDE):
-                n = grid[direction, c]
-                if n >= 0 and n != blocked and ways[start, n] == FAR:
-                    ways[start, n] = ways[start, c] + 1
-                    edge[known] = n
-                    known += 1
 
 
 def _onward(
