@@ -1,1 +1,1 @@
-"""Pools of frozen agents: manifest, records and lineage."""
+"""Pools of frozen partners: manifest, records and lineage."""

@@ -1,4 +1,4 @@
-"""Rules that keep the agents of pools independent of each other, from what the manifests say alone."""
+"""Checks from manifests alone that the agents of pools are independent of each other."""
 
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
@@ -11,11 +11,11 @@ Key = TypeVar("Key")
 
 
 class Finding(NamedTuple):
-    """Something that was noticed about a pool.
+    """A problem of a pool.
 
     Attributes:
         grave: Whether the pool should not be used as it is.
-        text: What, and about whom.
+        text: The problem, and the agents concerned.
     """
 
     grave: bool
@@ -23,7 +23,7 @@ class Finding(NamedTuple):
 
 
 def check_lineages(manifest: Manifest, others: Sequence[Manifest] = ()) -> list[Finding]:
-    """Looks for trained agents that are tied without saying so.
+    """Finds trained agents with undeclared ties.
 
     Within a pool, agents of one layout and lineage are checkpoints of one run, and agents of one seed are of one
     lineage. Between pools nothing is shared: no seed, no lineage, no weights; equal namespaces are a warning.

@@ -1,4 +1,4 @@
-"""A pool's manifest: who its partners are, how each came to be, and the hashes of their files."""
+"""A pool's manifest: its partners, how each was made, and the hashes of their files."""
 
 import hashlib
 import os
@@ -30,11 +30,11 @@ if TYPE_CHECKING:
     from overcooked_bench.agents.policies.policy import Policy
 
 FORMAT: Final = 3
-"""What is written; older formats are read through `UPGRADES`."""
+"""The format that is written; older formats are read through `UPGRADES`."""
 
 MANIFEST: Final = "manifest.json"
 MOST_BYTES: Final = 64 << 20
-"""Longest file of a pool that is read."""
+"""Most bytes of a file of a pool."""
 
 
 class PoolError(WrongUse):
@@ -81,12 +81,12 @@ def write_manifest(
     Args:
         folder: The pool's folder; it holds each policy's pair of files at `<layout>/<name>`.
         name: The pool's name.
-        entries: The partners; of a policy without its reference, the files are hashed.
+        entries: The partners; a policy without a reference gets one, from its files.
         cooking: Cooking mode of all partners.
         mode: How policies choose their actions.
 
     Returns:
-        What was written.
+        The manifest that was written.
 
     Raises:
         PoolError: A file is missing, or an entry is not as it should be; nothing is written.
@@ -114,7 +114,7 @@ def policies(manifest: Manifest) -> tuple[Entry, ...]:
 
 
 def check_version(manifest: Manifest, entry: Entry) -> None:
-    """Makes sure that what plays an entry is what the pool means.
+    """Checks that this version of the package plays an entry as the pool requires.
 
     Raises:
         PoolError: The scripted agent or the language of behaviours has another version here, or the agent is unknown.
@@ -143,7 +143,7 @@ def check_files(folder: Path, manifest: Manifest, entry: Entry) -> None:
     """Compares a policy's files with their hashes; other kinds of entry have no files.
 
     Raises:
-        PoolError: One is missing, changed, no regular file, or a link out of the folder.
+        PoolError: One is missing, changed, not a regular file, or a link out of the folder.
     """
     if not isinstance(entry.reference, PolicyReference):
         return
@@ -170,7 +170,7 @@ def check_policy(folder: Path, manifest: Manifest, entry: Entry) -> "Policy":
 
     Raises:
         PolicyError: The two files are broken or do not fit each other.
-        PoolError: It was trained for something else than the manifest says.
+        PoolError: It was trained for something other than the manifest says.
     """
     from overcooked_bench.agents.policies.policy import load_policy
 
@@ -262,7 +262,7 @@ def _with_files(entry: Entry, folder: Path) -> Entry:
 
 
 def _hashed(manifest: Manifest) -> bytes:
-    """Returns what the pool's hash is of: everything but the hash, entries sorted by layout and name, keys sorted."""
+    """Returns the bytes that the pool's hash is of: everything but the hash, with sorted entries and keys."""
     entries = tuple(sorted(manifest.entries, key=_order))
     return msgspec.json.encode(msgspec.structs.replace(manifest, hash="", entries=entries), order="sorted")
 

@@ -33,8 +33,8 @@ class Pool:
     """A pool whose files were verified, as `Pool.load` returns it.
 
     Attributes:
-        folder: Where it is.
-        manifest: What it says about itself.
+        folder: Its folder.
+        manifest: Its manifest.
     """
 
     folder: Path
@@ -43,7 +43,7 @@ class Pool:
 
     @classmethod
     def load(cls, name_or_folder: str | Path) -> "Pool":
-        """Reads a pool and verifies it: every file is there, hashed as the manifest says, and used once.
+        """Reads a pool and verifies it: every file exists, has the hash in the manifest, and is used once.
 
         Args:
             name_or_folder: A shipped pool's name, or a folder.
@@ -85,11 +85,11 @@ class Pool:
         return *shipped, *sorted(present - set(shipped))
 
     def partners(self, layout: str) -> tuple[Entry, ...]:
-        """Lists everyone that is played on a layout, floors too, by name; none for a layout that it does not cover."""
+        """Lists the partners and floors of a layout by name; none for a layout that it does not cover."""
         return _on(layout, self.manifest.entries)
 
     def agents(self, layout: str) -> tuple[Entry, ...]:
-        """Lists the frozen policies among the partners, by name: what a learner may train with."""
+        """Lists the frozen policies among the partners by name: those that a learner may train with."""
         return _on(layout, policies(self.manifest))
 
     def agent(self, layout: str, name: str) -> Entry:

@@ -1,4 +1,4 @@
-"""What a pool's manifest says about each partner."""
+"""The entries of a pool's manifest."""
 
 import json
 from typing import Any, Literal
@@ -16,13 +16,13 @@ class Record(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 class SelfPlay(Record, frozen=True, kw_only=True):
-    """What an agent reaches with itself.
+    """An agent's return with itself.
 
     Attributes:
-        mean: Soup reward of an episode, points.
+        mean: Soup reward per episode, points.
         low: Lower end of the mean's 95 % interval over episodes.
         high: Upper end.
-        episodes: How many were played.
+        episodes: Number of episodes.
     """
 
     mean: float
@@ -32,7 +32,7 @@ class SelfPlay(Record, frozen=True, kw_only=True):
 
 
 class SeatProfile(Record, frozen=True, kw_only=True):
-    """What the chef on one seat does in an episode with a copy of itself on the other one, on average.
+    """The average play of the chef on one seat, per episode, with a copy of itself on the other seat.
 
     With a copy on the other seat the team's return is the same number for both seats, so a seat has its share of it:
     the points of the soups that its own chef delivers.
@@ -44,9 +44,9 @@ class SeatProfile(Record, frozen=True, kw_only=True):
         partial_reward: Points for useful steps on the way (3 / 3 / 5).
         pots: Ingredients put into pots.
         plates: Soups put on plates.
-        deliveries: Soups brought to the serving tile.
-        counter_drops: Things put on counters.
-        counter_pickups: Things taken from counters.
+        deliveries: Soups delivered.
+        counter_drops: Objects put on counters.
+        counter_pickups: Objects taken from counters.
     """
 
     mean: float
@@ -64,7 +64,7 @@ class Profile(Record, frozen=True, kw_only=True):
     """How an agent behaves in the episodes of its `SelfPlay`.
 
     Attributes:
-        entropy: Mean entropy of its action distribution over the states that it met, nats; ln 6 = 1.79 is uniform.
+        entropy: Mean entropy of its action distribution over the states that it visited, nats; ln 6 = 1.79 is uniform.
         seats: By seat.
     """
 
@@ -106,7 +106,7 @@ class ScriptedReference(Record, frozen=True, kw_only=True, tag_field="kind", tag
 
     Attributes:
         agent: Its name there.
-        version: The version that the pool means; no other one is played.
+        version: The version that the pool requires; no other one is played.
     """
 
     agent: str
@@ -123,7 +123,7 @@ class BehaviourReference(Record, frozen=True, kw_only=True, tag_field="kind", ta
 
     Attributes:
         behaviour: The mapping with `does` and its parameters.
-        version: The version of the language of behaviours that the pool means; no other one is played.
+        version: The version of the language of behaviours that the pool requires; no other one is played.
     """
 
     behaviour: dict[str, Any]
@@ -141,18 +141,19 @@ class BehaviourReference(Record, frozen=True, kw_only=True, tag_field="kind", ta
 
 
 class Training(Record, frozen=True, kw_only=True):
-    """How a frozen policy came to be, and what it does.
+    """How a frozen policy was trained, and how it plays.
 
     Attributes:
         method: How it was trained, such as "self-play".
         seed: Its training seed.
-        namespace: What the seed was derived in.
+        namespace: The namespace in which the seed was derived.
         settings: The training's settings.
         steps: Joint steps of training up to this policy.
         self_play: Its return with itself.
         configuration: Name of the method's configuration that the settings came from; None in format 1.
-        checkpoint: Share of its run's training that it has had, from 0 (untrained) to 1 (final); None in format 1.
-        profile: What it does with itself; None in format 1.
+        checkpoint: Share of its run's training at which it was saved, from 0 (untrained) to 1 (final); None in format
+            1.
+        profile: How it plays with itself; None in format 1.
     """
 
     method: str
@@ -167,27 +168,27 @@ class Training(Record, frozen=True, kw_only=True):
 
     @property
     def done(self) -> float:
-        """Share of its run's training that it has had; policies of format 1 are final."""
+        """Share of its run's training at which it was saved; policies of format 1 are final."""
         return 1.0 if self.checkpoint is None else self.checkpoint
 
     @property
     def stratum(self) -> str:
-        """The stratum of a policy about which nothing else is said."""
+        """The stratum of a policy for which the manifest gives no other."""
         if self.done < 1:
             return "half-trained" if self.done > 0 else "untrained"
         return {"self-play": "self-play", "biased-self-play": "biased"}.get(self.method, "generalist")
 
 
 class Bound(Record, frozen=True, kw_only=True):
-    """What can be reached with a partner from one seat and side.
+    """The returns that can be reached with a partner from one seat and side.
 
     Attributes:
         seat: Seat of the other agent, 0 or 1.
-        side: Region that the other agent starts in; 0 where the floor is one region.
+        side: Region that the other agent starts in; 0 if the floor is one region.
         floor: Points per episode of an agent that never moves.
         ceiling: Points per episode of the best response that is known.
         responder: Reference of that best response.
-        responder_sha256: Hash of what it is.
+        responder_sha256: Hash of that best response.
     """
 
     seat: Literal[0, 1]
@@ -203,14 +204,15 @@ class Entry(Record, frozen=True, kw_only=True):
 
     Attributes:
         name: Unique on its layout.
-        layout: The shipped layout that it plays; of scripted partners also a grid's text.
-        reference: What plays; None only for `write_manifest`, which hashes the policy's files at `<layout>/<name>`.
+        layout: The shipped layout that it plays; for scripted partners also a grid's text.
+        reference: The agent that plays; None only for `write_manifest`, which hashes the policy's files at
+            `<layout>/<name>`.
         role: "partner" counts, "floor" is shown apart.
         stratum: Its origin: "self-play", "biased", "half-trained", "generalist", "scripted", "human", ...
         lineage: Equal for entries that are tied by initialisation, training partners, data or checkpoints.
-        convention: Equal for partners that go together; None where nobody has grouped them.
-        bounds: What can be reached with it, by seat and side; None where nobody has measured it.
-        training: How it was trained; policies have one, other kinds do not.
+        convention: Equal for partners that cooperate well with each other; None if they have not been grouped.
+        bounds: The returns that can be reached with it, by seat and side; None if they have not been measured.
+        training: How it was trained; None for kinds other than policies.
     """
 
     name: str
@@ -225,19 +227,19 @@ class Entry(Record, frozen=True, kw_only=True):
 
     @property
     def sha256(self) -> str:
-        """Hash of what plays."""
+        """Hash of the agent that plays."""
         assert self.reference is not None
         return self.reference.sha256
 
     @property
     def trained(self) -> Training:
-        """How a policy was trained; only for entries of policies."""
+        """How the policy was trained; only for entries of policies."""
         assert self.training is not None
         return self.training
 
 
 class Manifest(Record, frozen=True, kw_only=True):
-    """What `manifest.json` holds.
+    """The content of `manifest.json`.
 
     Attributes:
         format: Version of the file's format.

@@ -1,6 +1,6 @@
-"""Manifests of older formats: every one that was ever written is still read.
+"""Reads manifests of all older formats.
 
-Formats 1 and 2 list trained agents alone; the scripted partners stood in the protocol, beside whichever pool it named.
+Formats 1 and 2 list trained agents alone; the protocol named the scripted partners, whatever the pool.
 """
 
 from collections.abc import Callable
@@ -28,7 +28,7 @@ _BESIDE: Final[tuple[tuple[str, Role], ...]] = (
     ("random", "floor"),
     ("stay", "floor"),
 )
-"""The scripted partners that the first protocol named beside every pool, all in version 1."""
+"""The scripted partners that the first protocol added to every pool, all in version 1."""
 
 
 class _Files(Record, frozen=True, kw_only=True):
@@ -37,7 +37,7 @@ class _Files(Record, frozen=True, kw_only=True):
 
 
 class _Agent(Record, frozen=True, kw_only=True):
-    """A trained agent as formats 1 and 2 say it; the optional keys came with format 2."""
+    """A trained agent in formats 1 and 2; the optional keys came with format 2."""
 
     name: str
     layout: str
@@ -76,9 +76,9 @@ def _from_2(data: bytes) -> tuple[Manifest, bytes]:
 
 
 UPGRADES: Final[dict[int, Callable[[bytes], tuple[Manifest, bytes]]]] = {1: _from_1, 2: _from_2}
-"""For each older format: from a file's content to the manifest in the present format, and to what its hash is of.
+"""For each older format: converts a file's content to the manifest in the current format, and to the hashed bytes.
 
-Raises ValueError where the content is not of that format.
+Raises ValueError if the content is not of that format.
 """
 
 

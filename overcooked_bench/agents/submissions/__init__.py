@@ -1,1 +1,1 @@
-"""Agents that others wrote: loading them and checking that they keep the contract."""
+"""Submissions, agents that others wrote: loads them and checks that they keep the contract."""

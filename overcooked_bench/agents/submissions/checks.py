@@ -1,4 +1,4 @@
-"""What is asked of agents that others wrote: that they keep the contract, and that a fault is named exactly."""
+"""Checks that agents that others wrote keep the contract, and names each fault exactly."""
 
 from typing import Any
 
@@ -15,10 +15,10 @@ class AgentError(WrongUse):
 
 
 class ActionError(AgentError):
-    """What `act` returned is not one action per row.
+    """`act` did not return one action per row.
 
     Attributes:
-        row: The first row whose whole number is no action; None where something else is wrong.
+        row: The first row whose number is not an action; None if something else is wrong.
     """
 
     def __init__(self, message: str, row: int | None = None) -> None:
@@ -31,7 +31,7 @@ def check_agent(agent: Any, where: str) -> str:
 
     Args:
         agent: Any object.
-        where: What the message begins with, such as the submission's file.
+        where: Start of the message, such as the submission's file.
 
     Returns:
         Its observation.
@@ -53,10 +53,10 @@ def check_agent(agent: Any, where: str) -> str:
 
 
 def checked_observation(agent: Any) -> str:
-    """Reads what an agent is to be shown.
+    """Reads the name of an agent's observation.
 
     Raises:
-        AgentError: It names no observation.
+        AgentError: There is no such observation.
     """
     from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
 
@@ -68,11 +68,11 @@ def checked_observation(agent: Any) -> str:
 
 
 def check_actions(actions: Any, batch: int) -> NDArray[np.int64]:
-    """Checks what an agent's `act` returned.
+    """Checks the return value of an agent's `act`.
 
     Args:
-        actions: Anything.
-        batch: B, the number of rows it was asked for.
+        actions: Any object.
+        batch: B, the number of rows of the observations.
 
     Returns:
         (B,) int64, from 0 to 5, in memory of its own.
@@ -81,7 +81,7 @@ def check_actions(actions: Any, batch: int) -> NDArray[np.int64]:
         ActionError: A wrong shape, no whole numbers, or one out of range; names the first such row.
     """
     wanted = f"return {batch} whole numbers from 0 to {NUM_ACTIONS - 1}, one per row"
-    if type(actions) is np.ndarray:  # anything else runs code of its own when it is looked at
+    if type(actions) is np.ndarray:  # any other type may run its own code when it is examined
         given = actions
     else:
         try:
@@ -95,14 +95,14 @@ def check_actions(actions: Any, batch: int) -> NDArray[np.int64]:
     if given.dtype.kind not in "iu":
         raise ActionError(f"act returned {given.dtype} (row 0: {value(given[0])}); {wanted}")
     own = given.astype(np.int64)
-    if own.view(np.uint64).max() >= NUM_ACTIONS:  # negative ones are large there: one look for both bounds
+    if own.view(np.uint64).max() >= NUM_ACTIONS:  # negative numbers are large there: one comparison for both bounds
         row = int(((own < 0) | (own >= NUM_ACTIONS)).argmax())
         raise ActionError(f"act returned the action {given[row]} in row {row}; {wanted}", row)
     return own
 
 
 def _attribute(agent: Any, name: str) -> Any:
-    """Reads an attribute; one that raises is as good as none."""
+    """Reads an attribute; one that raises counts as missing."""
     try:
         return getattr(agent, name, None)
     except KeyboardInterrupt:

@@ -1,8 +1,8 @@
-"""What a submission consists of: the files whose content is in its hash.
+"""Finds the files of a submission, whose content is in its hash.
 
-A folder is all its files. A single file is that file, and what it can use beside it: the modules that it imports, and
-every file or folder that a text in its code names, by the whole name or by its ending (`".npz"` names all of them).
-`guard` sees to it that a submission opens nothing else there, so that a score cannot outlive a change unnoticed.
+A folder consists of all its files. A single file consists of that file and what it can use in its folder: the modules
+that it imports, and every file or folder that a string in its code names, by the whole name or by its suffix (`".npz"`
+names all of them). `guard` ensures that a submission opens nothing else there, so no change goes unnoticed.
 """
 
 import ast
@@ -18,13 +18,13 @@ from typing import Final
 ENTRY: Final = "agent.py"
 
 CACHES: Final = (".pyc", ".pyo", ".nbi", ".nbc")
-"""Endings of compiled code in `__pycache__`, which Python and numba make again from the sources."""
+"""Suffixes of compiled code in `__pycache__`, which Python and numba make again from the sources."""
 
 _TOOLS: Final = frozenset(
     {".git", ".hg", ".svn", ".venv", ".tox", ".nox", ".idea", ".vscode", ".DS_Store", ".ipynb_checkpoints"}
     | {".mypy_cache", ".pytest_cache", ".ruff_cache", ".hypothesis"}
 )
-_EPISODES: Final = "episodes.sqlite"  # is in every folder that a score wrote
+_EPISODES: Final = "episodes.sqlite"  # is in every folder that a score was written to
 _SCORES: Final = "scores"
 _LONGEST_NAME: Final = 300
 
@@ -33,8 +33,8 @@ def hash_submission(path: str | Path) -> str:
     """Computes a submission's SHA-256, hexadecimal.
 
     Args:
-        path: A file or a folder. A file that uses nothing beside it has the hash of its content; otherwise every file
-            of `content` counts with its name.
+        path: A file or a folder. A file that uses no other file has the hash of its content; otherwise every file of
+            `content` counts with its name.
     """
     path = Path(path)
     found = content(path)
@@ -74,7 +74,7 @@ def ours(folder: str | Path) -> tuple[str, ...]:
 
 
 def is_compiled(path: str) -> bool:
-    """Tells whether a path is compiled code in a cache."""
+    """Returns whether a path is compiled code in a cache."""
     return path.endswith(CACHES) and os.path.basename(os.path.dirname(path)) == "__pycache__"
 
 
@@ -123,10 +123,10 @@ def _used(entry: Path) -> Iterator[Path]:
 
 
 def _mentions(source: Path) -> tuple[set[str], set[str]]:
-    """Reads the names of modules that a source imports, and the short texts in it."""
+    """Reads the names of modules that a source imports, and the short strings in it."""
     try:
         tree = ast.parse(source.read_bytes())
-    except (SyntaxError, ValueError, OSError, RecursionError, MemoryError):  # loading it says what is wrong
+    except (SyntaxError, ValueError, OSError, RecursionError, MemoryError):  # loading it reports what is wrong
         return set(), set()
     modules, texts = set(), set()
     for node in ast.walk(tree):
@@ -140,7 +140,7 @@ def _mentions(source: Path) -> tuple[set[str], set[str]]:
 
 
 def _module(name: str, folder: Path) -> list[Path]:
-    """Finds the files of a module that lies in the folder, directly or wherever Python finds it."""
+    """Finds the files of a module in the folder, directly or anywhere that Python finds it."""
     found = [folder / (name + suffix) for suffix in all_suffixes()]
     package = folder / name
     if name not in sys.stdlib_module_names and not package.is_dir() and not any(file.is_file() for file in found):

@@ -1,4 +1,4 @@
-"""Refuses what a submission opens in its own folder and what is not in its hash."""
+"""Keeps a submission from opening files of its folder that are not in its hash."""
 
 import os
 import sys
@@ -17,13 +17,13 @@ _installed: list[bool] = []
 
 
 class Guard:
-    """Watches what a submission's code opens.
+    """Watches the files that a submission's code opens.
 
-    It sees what Python opens. Libraries that open files by themselves, as safetensors does, it does not see; files that
-    are named in the code are in the hash all the same.
+    It sees files that Python opens, and not those that libraries open on their own, as safetensors does; files that are
+    named in the code are in the hash anyway.
 
     Args:
-        folder: The submission's, or that of its file.
+        folder: The submission's folder, or that of its file.
         content: Its files, as `content.content` lists them.
         is_folder: Whether the submission is the whole folder.
     """
@@ -39,8 +39,8 @@ class Guard:
         """Watches this thread.
 
         Raises:
-            AgentError: Something was opened that is not in the hash, or has been changed since it was hashed. Raised at
-                once where it is opened, and again here if the submission's code went on all the same.
+            AgentError: A file was opened that is not in the hash, or has been changed since it was hashed. Raised when
+                it is opened, and again here if the submission's code caught the error.
         """
         if not _installed:
             sys.addaudithook(_hook)
@@ -89,7 +89,7 @@ def _hook(event: str, args: tuple[Any, ...]) -> None:
     if event in _EVENTS:
         guard: Guard | None = getattr(_running, "guard", None)
         if guard is not None:
-            _running.guard = None  # what the check itself opens is its own affair
+            _running.guard = None  # files that the check itself opens are not checked
             try:
                 guard.check(args[0], args[2] if event == "open" else None)
             finally:

@@ -1,4 +1,4 @@
-"""Lets a submission import what lies beside it, without leaving a trace for anybody else."""
+"""Lets a submission import modules of its folder, without a trace in the rest of the process."""
 
 import sys
 from collections.abc import Iterator
@@ -8,14 +8,14 @@ from types import ModuleType
 from typing import Any, Final
 
 PREFIX: Final = "overcooked_bench_submission_"
-"""What the names of the submissions' own modules begin with."""
+"""Prefix of the names of submissions' own modules."""
 
 
 class Imports:
-    """The modules beside a submission.
+    """The modules in a submission's folder.
 
-    Two submissions may both have a `helper.py`: while one's code runs, its own helpers stand in `sys.modules`, and
-    foreign modules of their names do not.
+    Two submissions may both have a `helper.py`: while one's code runs, its own helpers are in `sys.modules`, and
+    other modules of the same names are not.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -24,7 +24,7 @@ class Imports:
 
     @contextmanager
     def open(self) -> Iterator[None]:
-        """Makes its modules importable, and those of the same names that belong to others not."""
+        """Makes its modules importable, and hides other modules of the same names."""
         folder, before = str(self._folder), dict(sys.modules)
         no_bytecode, sys.dont_write_bytecode = sys.dont_write_bytecode, True
         beside = self._names() - set(sys.stdlib_module_names)
@@ -52,9 +52,9 @@ class Imports:
         return files | {package.parent.name for package in self._folder.glob("*/__init__.py")}
 
     def _lies_here(self, module: Any) -> bool:
-        """Tells whether a module is a file or a package directly in the folder (and not a submission itself)."""
+        """Returns whether a module is a file or a package directly in the folder (and not a submission itself)."""
         if str(getattr(module, "__name__", "")).startswith(PREFIX):
             return False
-        told = getattr(module, "__dict__", {})  # some libraries' modules invent any attribute they are asked for
+        told = getattr(module, "__dict__", {})  # some libraries' modules return something for any attribute
         homes = [str(path) for path in told.get("__path__") or ()] or [str(told.get("__file__") or "")]
         return any(Path(home).parent == self._folder for home in homes)

@@ -1,6 +1,6 @@
 """A submission: a Python file, or a folder with `agent.py`, that defines `make_agent(layout, training_seed)`.
 
-Its code runs in this process, as every Python module's does; nothing of it is unpickled by us.
+Its code runs in this process, as every Python module's does; we unpickle none of its files.
 """
 
 import sys
@@ -33,10 +33,10 @@ class Submission:
     Attributes:
         name: Its file's stem, or its folder's name.
         path: The file or folder.
-        training_seeds: How many independent training runs it holds: `make_agent` takes 0 to training_seeds - 1.
-        make_agent: `make_agent(layout, training_seed)` gives an agent that keeps the contract as far as can be seen;
-            raises UnknownLayout where the submission does, and AgentError for every other fault.
-        sha256: Of all that it consists of, see `content.hash_submission`; hexadecimal.
+        training_seeds: Number of independent training runs: `make_agent` takes 0 to training_seeds - 1.
+        make_agent: `make_agent(layout, training_seed)` returns an agent that keeps the contract as far as can be seen;
+            raises UnknownLayout if the submission does, and AgentError for every other fault.
+        sha256: Hash of its files, see `content.hash_submission`; hexadecimal.
     """
 
     name: str
@@ -47,14 +47,14 @@ class Submission:
 
 
 def load_submission(path: str | Path, function: str = MAKE_AGENT) -> Submission:
-    """Loads a submission as a module of its own; modules beside it can be imported by it and by nobody else.
+    """Loads a submission as a separate module; only it can import the modules in its folder.
 
     While its code runs, it cannot open files of its folder that are not in its hash: a score that is resumed plays the
-    same agent, or says that it was changed. Files elsewhere are not watched.
+    same agent, or reports that it was changed. Files elsewhere are not watched.
 
     Args:
         path: A Python file, or a folder with `agent.py`.
-        function: What in it makes the agents.
+        function: The function in it that makes the agents.
 
     Raises:
         AgentError: No such file, its code fails, or it does not define what it should; names file and line.
@@ -121,8 +121,8 @@ def _execute(file: Path, running: Running) -> ModuleType:
 
 
 def _explained(error: BaseException, file: Path, when: str) -> AgentError:
-    """Makes one line of an error: the submission's last line that was running, and the original message."""
-    if type(error) is AgentError:  # ours, which says it all
+    """Describes an error in one line: the submission's last line that was running, and the original message."""
+    if type(error) is AgentError:  # one of ours, whose message is complete
         return error
     if type(error) is SyntaxError and error.filename:
         return AgentError(f"{error.filename}, line {error.lineno}: {describe(error)}")

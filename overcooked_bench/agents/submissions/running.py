@@ -1,4 +1,4 @@
-"""A submission's code while it runs: imports of its own, files that are watched, settings that stay its own."""
+"""Runs a submission's code with its own imports, watched files, and settings that do not leak."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,8 +16,8 @@ class Running:
     """Runs a submission's code.
 
     Args:
-        imports: What it can import beside it.
-        guard: What it may open beside it.
+        imports: The modules of its folder that it can import.
+        guard: The files of its folder that it may open.
     """
 
     def __init__(self, imports: Imports, guard: Guard) -> None:
@@ -35,7 +35,7 @@ class Running:
 
     @contextmanager
     def importing(self) -> Iterator[None]:
-        """Runs code that may import what lies beside it.
+        """Runs code that may import modules of its folder.
 
         Raises:
             AgentError: It opened a file that it may not.
@@ -49,8 +49,8 @@ class SubmittedAgent:
 
     Args:
         agent: The agent.
-        observation: What it is shown.
-        running: Its submission's.
+        observation: Its observation.
+        running: Its submission's `Running`.
     """
 
     def __init__(self, agent: Agent, observation: str, running: Running) -> None:

@@ -1,4 +1,4 @@
-"""Keeps what a submission's code changes in its process from everybody else's code."""
+"""Keeps settings that a submission's code changes in its process from all other code."""
 
 import os
 import sys
@@ -37,7 +37,7 @@ class Surroundings:
 
 
 _FRESH: dict[str, Any] = {"gradients": True}
-"""What torch has where the submission is the first to load it; the other settings follow below."""
+"""Torch's settings if the submission is the first to load it; the others follow below."""
 
 
 def _settings() -> dict[str, Any]:
