@@ -219,6 +219,7 @@ def test_a_fresh_salt_is_written_down_and_kept_for_its_folder(protocol, tmp_path
     assert main([*command, str(tmp_path / "fresh"), "--salt", "fresh"]) == 0
     fresh = read_scores(tmp_path / "fresh" / SCORES_FILE)
     assert len(fresh.salt) == 32
+    assert f"Salt {fresh.salt}" in capsys.readouterr().out
     with Store(tmp_path / "fresh" / EPISODES_FILE) as store, Store(tmp_path / "public" / EPISODES_FILE) as other:
         assert store.facts["salt"] == fresh.salt
         starts = [{episode.start for episode in of.episodes()} for of in (store, other)]

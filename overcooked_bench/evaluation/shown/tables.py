@@ -126,6 +126,8 @@ def notes(scores: Scores) -> list[str]:
     near = [f"{r.value:.0f} at {r.params['soups']:g} ({r.layout})" for r in scores.select("undecided") if r.value]
     if near:
         said.append(f"Partners within two standard errors of a threshold: {', '.join(near)}.")
+    if scores.salt != scores.settings.play.salt:
+        said.append(f"Salt {scores.salt}: compare with scores of this salt only; --salt repeats it.")
     said += [f"{layout.layout}: {layout.remark}" for layout in scores.layouts if layout.remark]
     adapted = [layout.layout for layout in scores.layouts if layout.adapted]
     if adapted:
