@@ -8,7 +8,7 @@ at the round's start; then all pairs play.
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypedDict
 
 import numpy as np
 import torch
@@ -104,13 +104,21 @@ class Leg(PartnerSettings):
         return min(1.0, (self.begun + done) / (share * self.whole)) if share else 1.0
 
 
+class _Round(TypedDict):
+    """What `rounds.json` says of each round."""
+
+    pairs: list[list[float]]
+    source: list[int]
+    hyperparameters: list[dict[str, int | float]]
+
+
 def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:
     """Trains the population; the outcome is that of the agent that plays best with all of them at the end.
 
     See `run` for arguments and errors.
     """
     claim(output, config, METHOD, seed, resume)
-    history: list[dict[str, Any]] = (read_json(output / ROUNDS) or []) if resume else []
+    history = (read_json(output / ROUNDS, list[_Round]) or []) if resume else []
     parents = _first_agents(config, output, seed)
     hyper = [{name: getattr(config, name) for name in MUTABLE} for _ in range(config.agents)]
     legs: list[Outcome] = []

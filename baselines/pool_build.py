@@ -6,10 +6,11 @@ again; what comes out depends on the configuration alone, not on stops, processe
 """
 
 import json
+import os
 from dataclasses import asdict
 from math import ceil
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, TypedDict
 
 import msgspec
 
@@ -17,6 +18,7 @@ from overcooked_bench.agents.policies.policy import PolicyFiles, policy_files
 from overcooked_bench.agents.pools.manifest import (
     FORMAT,
     MANIFEST,
+    MOST_BYTES,
     check_files,
     policies,
     read_manifest,
@@ -25,7 +27,7 @@ from overcooked_bench.agents.pools.manifest import (
 from overcooked_bench.agents.pools.records import Entry, Manifest, Training
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.evaluation.pools.profile import Measured
-from overcooked_bench.files import write_whole
+from overcooked_bench.files import read_regular, shown, write_whole
 
 from .learning.locks import locked
 from .learning.parts import checkpoints
@@ -40,6 +42,20 @@ _SAID_ELSEWHERE: Final = ("layout", "seed", "method", "training_seed")  # in the
 
 class PoolBuildError(WrongUse):
     """What lies in a folder does not belong to this pool's configuration; says what to write instead."""
+
+
+class _Agent(TypedDict):
+    """One agent of a finished run: where its policy is in the run's folder, and its entry."""
+
+    policy: str
+    record: Entry
+
+
+class _Agents(TypedDict):
+    """What `agents.json` holds."""
+
+    seconds: float
+    agents: list[_Agent]
 
 
 def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
@@ -59,7 +75,8 @@ def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
     outcome: Outcome | None = train(run.settings, folder, run.seed, resume=(folder / CONFIG_FILE).exists(), every=every)
     if outcome is None:
         return False
-    settings = {**json.loads((folder / CONFIG_FILE).read_text()), "restarted": outcome.total_restarts}
+    resolved = read_json(folder / CONFIG_FILE, dict[str, Any]) or {}
+    settings = {**resolved, "restarted": outcome.total_restarts}
     if not outcome.total_restarts:
         del settings["restarted"]
     entries = []
@@ -118,8 +135,10 @@ def publish(run: Run, folder: Path, pool: Path) -> list[Entry]:
         PoolBuildError: The run was made under another configuration.
         PoolError: The pool that is there is damaged.
     """
-    content = read_json(folder / AGENTS_FILE)
-    records = [msgspec.convert(agent["record"], Entry) for agent in content["agents"]]
+    content = read_json(folder / AGENTS_FILE, _Agents)
+    if content is None:
+        raise PoolBuildError(f"{folder}: no {AGENTS_FILE}, so this run is not finished; build the pool again")
+    records = [agent["record"] for agent in content["agents"]]
     for record in records:
         _check_entry(run, record, f"{folder}: this run")
     if sorted(record.name for record in records) != sorted(map(run.agent, run.group.keep)):
@@ -128,11 +147,13 @@ def publish(run: Run, folder: Path, pool: Path) -> list[Entry]:
         )
     with locked(pool):
         for agent, record in zip(content["agents"], records, strict=True):
+            if not Path(os.path.realpath(folder / agent["policy"])).is_relative_to(os.path.realpath(folder)):
+                raise PoolBuildError(f"{folder / AGENTS_FILE}: {shown(agent['policy'])!r} is not in this folder")
             for source, target in zip(
                 policy_files(folder / agent["policy"]), policy_files(pool / run.layout / record.name), strict=True
             ):
                 target.parent.mkdir(exist_ok=True)
-                write_whole(target, source.read_bytes())
+                write_whole(target, read_regular(source, MOST_BYTES, raises=PoolBuildError))
         manifest = _manifest(pool)
         known = {(entry.layout, entry.name): entry for entry in policies(manifest)} if manifest else {}
         known |= {(record.layout, record.name): record for record in records}

@@ -34,6 +34,10 @@ EARLY: Final = "early"
 """The first snapshot."""
 
 
+MOST_RUNS: Final = 1000
+"""Runs of one kind on one layout."""
+
+
 class PoolConfigError(WrongUse):
     """A pool's configuration cannot be found or read, or asks for what there is not; names the file and the key."""
 
@@ -72,7 +76,7 @@ class Group(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         snapshots = sum(kind != FINAL for kind in self.keep)
         left = sorted(set(self.snapshots))[int(EARLY in self.keep) :]
         for key, value, right, wanted in (
-            ("count", self.count, self.count >= 1, "a number from 1"),
+            ("count", self.count, 1 <= self.count <= MOST_RUNS, f"a number from 1 to {MOST_RUNS:,}"),
             ("first", self.first, self.first >= 0, "a number from 0"),
             ("keep", list(self.keep), len(set(self.keep)) == len(self.keep) > 0, "final, half and early, each once"),
             ("snapshots", list(self.snapshots), len(set(self.snapshots)) >= snapshots, f"{snapshots} shares at least"),

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 from math import inf
 from pathlib import Path
-from typing import Final
+from typing import Final, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -190,13 +190,20 @@ def choose(own: Sequence[float], vectors: NDArray[np.float64], count: int) -> tu
     return sets[int(np.argmax([sum(distance[i, j] for i, j in combinations(one, 2)) for one in sets]))]
 
 
+class _Chosen(TypedDict):
+    """What `chosen.json` is read for."""
+
+    candidates: list[str]
+    chosen: list[int]
+
+
 def _choose(config: Config, files: list[Path], development: Sequence[str], output: Path) -> list[int]:
     """Measures the candidates and chooses; what was found once is read again."""
     place = output / CHOSEN
     hashes = [load_policy(file).sha256 for file in files]
-    known = read_json(place)
+    known = read_json(place, _Chosen)
     if known is not None and known["candidates"] == hashes:
-        return [int(i) for i in known["chosen"]]
+        return known["chosen"]
     partners = load_partners(development, config)
     episodes = 20
     own = [

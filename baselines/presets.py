@@ -7,8 +7,11 @@ such a file has one configuration, `default`.
 
 import types
 from dataclasses import MISSING, fields
+from functools import lru_cache
 from importlib.resources import files
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+import msgspec
 
 from overcooked_bench.documents import parse_yaml
 from overcooked_bench.errors import WrongUse
@@ -24,6 +27,13 @@ AnySettings = TypeVar("AnySettings", bound=Settings)
 
 class PresetError(WrongUse):
     """There is no such method or configuration, or its file is wrong; says what to write instead."""
+
+
+class _Configuration(msgspec.Struct):
+    """What every configuration may have besides settings, which are checked with the method's class."""
+
+    extends: str | None = None
+    by_layout: dict[str, dict[str, Any]] | None = None
 
 
 def config_names(method: str) -> tuple[str, ...]:
@@ -58,16 +68,19 @@ def load_config(method: str, name: str = "", /, **overrides: Any) -> Settings:
     return kind(**checked(kind, settings, f"{method}, configuration {name or config_names(method)[0]!r}"))
 
 
-def named_settings(method: str, name: str = "", layout: str = "") -> dict[str, Any]:
+def named_settings(
+    method: str, name: str = "", layout: str = "", above: tuple[tuple[str, str], ...] = ()
+) -> dict[str, Any]:
     """Gives what a configuration sets.
 
     Args:
         method: A training method.
         name: One of its configurations, or several joined by commas, of which later ones win.
         layout: Where it is to be used, as `Layout.load` takes it; a mirror image is set up as what it mirrors.
+        above: The configurations that extend this one, as (method, name).
 
     Raises:
-        PresetError: There is no such configuration.
+        PresetError: There is no such configuration, or it extends itself.
     """
     known = _read(method)
     settings: dict[str, Any] = {}
@@ -76,11 +89,13 @@ def named_settings(method: str, name: str = "", layout: str = "") -> dict[str, A
             raise PresetError(
                 f"{method} has no configuration {part!r}; {guess(part, known)}there is {', '.join(known)}"
             )
+        if (method, part) in above:
+            raise PresetError(f"{method}: the configuration {part!r} extends itself; name another one")
         own = dict(known[part] or {})
         base = own.pop("extends", None)
         if base:
             other, _, configuration = base.rpartition(":")
-            settings |= named_settings(other or method, configuration, layout)
+            settings |= named_settings(other or method, configuration, layout, (*above, (method, part)))
         here = own.pop("by_layout", {})
         settings |= own | (here.get(_plain_name(layout), {}) if here else {})
     return settings
@@ -135,4 +150,13 @@ def _read(method: str) -> dict[str, Any]:
     file = files(__package__ or "").joinpath("configs", f"{method}.yaml")
     if not file.is_file():
         return {"default": {}}
-    return parse_yaml(file.read_text(encoding="utf-8"), file.name, PresetError).data
+    return _parsed(file.read_text(encoding="utf-8"), file.name)
+
+
+@lru_cache
+def _parsed(text: str, where: str) -> dict[str, Any]:
+    document = parse_yaml(text, where, PresetError)
+    document.convert(dict[str, _Configuration | None])
+    if not document.data:
+        raise document.error((), "no configurations; write `name: {setting: value}`")
+    return document.data

@@ -1,16 +1,19 @@
 """One training run in one folder: schedules, checkpoints, logs, restarts, the frozen policy at its end."""
 
 import json
+import os
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypedDict, TypeVar
 
 import numpy as np
 import torch
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger, make_output_format
 
+from overcooked_bench import documents
 from overcooked_bench.agents.policies.policy import PolicyFiles, policy_files
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 from overcooked_bench.errors import WrongUse
@@ -33,8 +36,12 @@ RESULT: Final = "result.json"
 """What a finished run brought, in its folder."""
 SUMMARY: Final = "summary.json"
 """What a finished command brought, in its folder: points, steps and wall-clock of all its parts."""
+MOST_BYTES: Final = 16 << 20
+"""Of a JSON file in a run's folder."""
 POLICY: Final = "policy"
 SNAPSHOTS: Final = "snapshots"
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -75,6 +82,15 @@ class Outcome:
     def total_seconds(self) -> float:
         """Wall-clock of training of this run and its parts, as if one after the other."""
         return self.seconds + sum(part.total_seconds for part in self.parts)
+
+
+class _Result(TypedDict):
+    """What `result.json` holds."""
+
+    steps: int
+    seconds: float
+    restarts: int
+    returns: list[float]
 
 
 class UnfitError(WrongUse):
@@ -149,7 +165,7 @@ def run(
         _check_config(output, resolved)
         if known := _finished(output, settings):
             return known
-    given_up: list[dict[str, Any]] = (read_json(output / RESTARTS) or []) if resume else []
+    given_up = (read_json(output / RESTARTS, list[dict[str, int | float]]) or []) if resume else []
     while True:
         attempt = len(given_up)
         model = make(restarted(seed, attempt))
@@ -226,18 +242,25 @@ def write_json(file: Path, content: Any) -> None:
     write_whole(file, json.dumps(content, indent=2) + "\n")
 
 
-def read_json(file: Path) -> Any:
-    """Reads a file; None where there is none.
+def read_json(file: Path, kind: type[T]) -> T | None:
+    """Reads a JSON file that a run may have been killed before writing.
+
+    Args:
+        file: The file.
+        kind: What it holds.
+
+    Returns:
+        The content, or None if there is no such file.
 
     Raises:
-        CheckpointError: It is not JSON.
+        CheckpointError: It is not JSON, or holds something else.
     """
-    try:
-        return json.loads(file.read_text())
-    except FileNotFoundError:
+    if not os.path.lexists(file):
         return None
-    except ValueError as error:
-        raise CheckpointError(f"{file}: not JSON ({error}); choose another --output") from None
+    try:
+        return documents.read_json(file, MOST_BYTES, kind)
+    except WrongUse as error:
+        raise CheckpointError(f"{error}; restore the file, or choose another --output") from None
 
 
 def _check_device(settings: Settings) -> None:
@@ -246,7 +269,7 @@ def _check_device(settings: Settings) -> None:
 
 
 def _check_config(output: Path, resolved: dict[str, Any]) -> None:
-    known = read_json(output / CONFIG_FILE)
+    known = read_json(output / CONFIG_FILE, dict[str, Any])
     if known is not None:
         check_same(output / CONFIG_FILE, known, resolved)
 
@@ -257,18 +280,12 @@ def _snapshots(output: Path, settings: Settings) -> dict[float, PolicyFiles]:
 
 def _finished(output: Path, settings: Settings) -> Outcome | None:
     """Gives the outcome of a run that is finished already."""
-    try:
-        numbers = json.loads((output / RESULT).read_text())
-        return Outcome(
-            policy_files(output / POLICY),
-            np.asarray(numbers["returns"], np.float64),
-            numbers["steps"],
-            numbers["seconds"],
-            _snapshots(output, settings),
-            numbers["restarts"],
-        )
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+    with suppress(CheckpointError):  # a damaged one is written again
+        if numbers := read_json(output / RESULT, _Result):
+            returns = np.asarray(numbers["returns"], np.float64)
+            files, snapshots = policy_files(output / POLICY), _snapshots(output, settings)
+            return Outcome(files, returns, numbers["steps"], numbers["seconds"], snapshots, numbers["restarts"])
+    return None
 
 
 def _open_logs(folder: Path, done: int, attempt: int) -> Logger:

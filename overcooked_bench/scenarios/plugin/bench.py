@@ -120,7 +120,7 @@ def open_bench(config: pytest.Config) -> Bench:
         make_agent = find(option.ocb_agent, mode=option.ocb_mode).make
         if not hasattr(config, "workerinput"):
             _try(make_agent, option.ocb_agent_training_seed)
-        known = _read_known(option.ocb_known_failures) if option.ocb_known_failures else {}
+        known = read_known(option.ocb_known_failures) if option.ocb_known_failures else {}
         baseline = read_report(option.ocb_scenario_baseline)["items"] if option.ocb_scenario_baseline else None
     except (OvercookedBenchError, OSError) as error:
         raise pytest.UsageError(str(error)) from None
@@ -152,7 +152,7 @@ def _try(make_agent: AgentFactory, training_seed: int) -> None:
         return
 
 
-def _read_known(path: str) -> dict[str, str]:
+def read_known(path: str) -> dict[str, str]:
     """Reads the ids of known failures, one per line, with a reason after a #."""
     text = read_text(path, MOST_BYTES, raises=ScenarioError)
     found: dict[str, str] = {}

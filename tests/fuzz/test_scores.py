@@ -1,0 +1,131 @@
+"""score.json, and the store of episodes: its bytes, and what SQL can make of it."""
+
+import hashlib
+import itertools
+import json
+import shutil
+import sqlite3
+from contextlib import closing, suppress
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from overcooked_bench.evaluation.games.block import play_block
+from overcooked_bench.evaluation.games.episode import COLUMNS, checksum, read_row
+from overcooked_bench.evaluation.games.recording import find_recording, read_settings
+from overcooked_bench.evaluation.games.replayed import check_returns
+from overcooked_bench.evaluation.games.store import Store, StoreError
+from overcooked_bench.evaluation.scores import ScoresError, read_scores
+from tests.evaluation.games.test_store import FACTS
+from tests.evaluation.made import block
+from tests.fuzz.harness import TRIES, attack, mixed, seeded
+from tests.fuzz.mutators import VALUES, as_json, bytes_of, trees_of
+
+OLD = Path(__file__).parents[1] / "data" / "upgrades" / "score-1"
+
+
+@TRIES
+def test_scores(tries, tmp_path):
+    file, seeds = tmp_path / "score.json", [path.read_bytes() for path in sorted(OLD.parent.rglob("score.json"))]
+
+    def read(content: bytes) -> None:
+        file.write_bytes(content)
+        read_scores(file).write(tmp_path / "again.json")
+        read_scores(tmp_path / "again.json")
+
+    rng = seeded("scores")
+    inputs = mixed(rng, bytes_of(seeds, rng), as_json(trees_of([json.loads(seed) for seed in seeds], rng)))
+    attack("score.json", inputs, read, ScoresError, tries).check()
+
+
+@pytest.fixture(scope="module")
+def played(tmp_path_factory, tiny):
+    """A store of two blocks, and one of the first schema."""
+    file = tmp_path_factory.mktemp("store") / "episodes.sqlite"
+    with Store(file, FACTS, {"settings": msgspec.json.encode(tiny).decode(), "agent_name": "greedy"}) as store:
+        for index in range(2):
+            outcome = play_block(block(tiny, episode=index))
+            store.add_block(outcome.key, outcome.episodes)
+    return file
+
+
+def read_store(file: Path) -> None:
+    """Does all that commands do with a store: replays every episode, and shows the worst one."""
+    with Store(file) as store:
+        rules = read_settings(store).play
+        check_returns(store, rules.cooking, rules.horizon)
+        store.adapted()
+    with suppress(StopIteration):
+        next(find_recording(file, worst=True).frames())
+
+
+@TRIES
+def test_bytes_of_stores(tries, played, tmp_path):
+    file = tmp_path / "episodes.sqlite"
+
+    def read(content: bytes) -> None:
+        file.write_bytes(content)
+        read_store(file)
+
+    attack("episodes.sqlite, bytes", bytes_of([played.read_bytes()], seeded("bytes")), read, StoreError, tries).check()
+
+
+COLUMNS_OF = {"episodes": COLUMNS, "blocks": ("layout", "episode", "adapted"), "facts": ("key", "value")}
+
+
+def statements(rng):
+    """Draws edits: a column, a fact or a table, and what it is made to be."""
+    values = [value for value in VALUES if not isinstance(value, list | dict | bool)]
+    values += [b"", b"\xff\xfe", b"x\x9c", "[" * 3000, "{}", "greedy", b"\0" * 1000]
+    for value in (rng.choice(values) for _ in itertools.count()):
+        fits = value if not isinstance(value, int) or abs(value) < 2**63 else str(value)[:100]
+        table, where = rng.choice(("episodes", "episodes", "blocks", "facts")), rng.choice(("", " WHERE rowid % 3 = 1"))
+        column = rng.choice(
+            {"episodes": COLUMNS, "blocks": ("layout", "episode", "adapted"), "facts": ("key", "value")}[table]
+        )
+        where = where if table == "episodes" else ""
+        yield rng.choice(
+            [(f"UPDATE {table} SET {column} = ?{where}", (fits,))] * 8
+            + [
+                (f"DELETE FROM {table}{where}", ()),
+                (f"UPDATE {table} SET {column} = CAST(X'FF00' AS TEXT)", ()),
+                (f"UPDATE {table} SET {column} = {column} || 'x'", ()),
+                (f"UPDATE {table} SET {column} = {column} + 1", ()),
+                (f"ALTER TABLE {table} DROP COLUMN {column}", ()),
+                (f"ALTER TABLE {table} RENAME COLUMN {column} TO other", ()),
+                (f"DROP TABLE {table}", ()),
+                (f"CREATE VIEW v AS SELECT * FROM {table}", ()),
+            ]
+        )
+
+
+def forge(file: Path) -> None:
+    """Makes all checksums match what is there now, as far as that can be done."""
+    with suppress(sqlite3.Error, ValueError), closing(sqlite3.connect(file)) as connection, connection:
+        facts = dict(connection.execute("SELECT key, value FROM facts WHERE key != 'checksum'"))
+        digest = hashlib.sha256(json.dumps(sorted(facts.items())).encode()).hexdigest()
+        connection.execute("UPDATE facts SET value = ? WHERE key = 'checksum'", (digest,))
+        rows = [read_row(row) for row in connection.execute(f"SELECT {', '.join(COLUMNS)} FROM episodes")]
+        for *key, adapted in list(connection.execute("SELECT layout, training_seed, episode, adapted FROM blocks")):
+            digest = checksum(tuple(key), bool(adapted), [row for row in rows if row.block == tuple(key)])
+            where = "layout = ? AND training_seed = ? AND episode = ?"
+            connection.execute(f"UPDATE blocks SET sha256 = ? WHERE {where}", (digest, *key))
+
+
+@TRIES
+def test_edits_of_stores(tries, played, tmp_path):
+    file, rng = tmp_path / "episodes.sqlite", seeded("edits")
+    edits = statements(rng)
+
+    def changed():
+        for number in itertools.count():
+            shutil.copy(played if number % 4 else OLD / "episodes.sqlite", file)
+            with closing(sqlite3.connect(file)) as connection:
+                for statement, values in itertools.islice(edits, rng.choice((1, 1, 2))):
+                    with suppress(sqlite3.Error, UnicodeEncodeError, OverflowError), connection:
+                        connection.execute(statement, values)
+            forge(file)
+            yield b""
+
+    attack("episodes.sqlite, SQL", changed(), lambda _: read_store(file), StoreError, tries).check()
