@@ -6,7 +6,7 @@ import signal
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -65,13 +65,14 @@ class Tally:
             refuses: Whether some files have to be refused.
         """
         print(self)
-        told = [f"{times} x {name}: {self.examples[name][:2000]!r}" for name, times in self.foreign.most_common()]
+        told = [f"{times} x {name}: {self.examples[name][:400]!r}" for name, times in self.foreign.most_common()]
         assert (self.foreign.total(), self.hangs) == (0, 0), "\n".join([str(self), *told])
         assert bool(self.refused) == refuses, str(self)
 
 
 def attack(
     name: str,
+    whole: Iterable[bytes],
     inputs: Iterator[bytes],
     read: Callable[[bytes], object],
     declared: type[Exception] | tuple[type[Exception], ...],
@@ -82,13 +83,16 @@ def attack(
 
     Args:
         name: The format's, for the report.
-        inputs: Files without end.
+        whole: Files that are as they should be; each is read first.
+        inputs: Changed ones, without end.
         read: Reads one.
         declared: The errors that it may raise.
         tries: How many files.
         limit: Seconds for each.
     """
     tally = Tally(name)
+    for content in whole:
+        read(content)
     with _bounded():
         for _ in range(tries):
             content = next(inputs)

@@ -24,7 +24,7 @@ def read(content: bytes) -> None:
 
 def test_refusals_foreign_exceptions_hangs_and_memory_are_told_apart():
     inputs = itertools.cycle([b"refused", b"foreign", b"endless", b"huge", b"fine"])
-    tally = attack("test", inputs, read, ValueError, 5, limit=0.2)
+    tally = attack("test", [b"fine"], inputs, read, ValueError, 5, limit=0.2)
     assert (tally.accepted, tally.refused, tally.hangs) == (1, 1, 1)
     assert sorted(what.partition(":")[0] for what in tally.foreign) == ["KeyError", "MemoryError"]
     assert b"foreign" in tally.examples.values()

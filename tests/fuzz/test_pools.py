@@ -55,7 +55,7 @@ def test_manifests(tries, pool):
     rng = seeded("manifests")
     trees = trees_of([json.loads(seed)], rng)
     inputs = mixed(rng, bytes_of(seeds, rng), as_json(trees, rehashed), as_json(trees, rehashed))
-    attack("manifest.json", inputs, read, (PoolError, PolicyError), tries).check()
+    attack("manifest.json", [seed], inputs, read, (PoolError, PolicyError), tries).check()
     file.write_bytes(seed)
 
 
@@ -72,7 +72,7 @@ def test_architectures(tries, pool, tmp_path):
 
     rng = seeded("architectures")
     inputs = mixed(rng, bytes_of([seed], rng), as_json(trees_of([json.loads(seed), cnn], rng)))
-    attack("policy JSON", inputs, read, PolicyError, tries).check()
+    attack("policy JSON", [seed], inputs, read, PolicyError, tries).check()
 
 
 @TRIES
@@ -91,4 +91,4 @@ def test_weights(tries, pool, tmp_path):
             yield len(head).to_bytes(8, "little") + head + tensors
 
     rng = seeded("weights")
-    attack("safetensors", mixed(rng, bytes_of([seed], rng), headed()), read, PolicyError, tries).check()
+    attack("safetensors", [seed], mixed(rng, bytes_of([seed], rng), headed()), read, PolicyError, tries).check()

@@ -15,7 +15,7 @@ from overcooked_bench.scenarios.plugin.bench import read_known
 from overcooked_bench.scenarios.shown.comparing import changes, read_report
 from overcooked_bench.scenarios.solving.lock import LOCK_FILE, definition, known_entry, write_lock
 from tests.fuzz.harness import TRIES, attack, mixed, seeded
-from tests.fuzz.mutators import as_json, bytes_of, lines_of, trees_of
+from tests.fuzz.mutators import as_json, bytes_of, lines_of, trees_of, written
 from tests.scenarios.language.test_loading import RICH
 from tests.scenarios.writing import POT, YIELD, edited
 
@@ -35,8 +35,14 @@ def test_scenarios(tries, tmp_path):
 
     rng = seeded("scenarios")
     trees = as_json(trees_of([yaml.safe_load(text) for text in TEXTS], rng))
+    inputs = mixed(rng, bytes_of(TEXTS, rng), lines_of(TEXTS, rng), trees)
     attack(
-        "scenario YAML", mixed(rng, bytes_of(TEXTS, rng), lines_of(TEXTS, rng), trees), read, ScenarioError, tries
+        "scenario YAML",
+        TEXTS,
+        mixed(rng, bytes_of(TEXTS, rng), lines_of(TEXTS, rng), trees),
+        read,
+        ScenarioError,
+        tries,
     ).check()
 
 
@@ -58,7 +64,7 @@ def test_locks(tries, tmp_path):
 
     rng = seeded("locks")
     trees = as_json(trees_of([yaml.safe_load(seed)], rng))
-    attack("scenarios.lock", mixed(rng, bytes_of([seed], rng), trees), read, ScenarioError, tries).check()
+    attack("scenarios.lock", [seed], mixed(rng, bytes_of([seed], rng), trees), read, ScenarioError, tries).check()
 
 
 @TRIES
@@ -72,8 +78,11 @@ def test_reports(tries, tmp_path):
         changes(read_report(file)["items"], now)
 
     rng = seeded("reports")
-    texts = bytes_of([next(as_json(iter([seed])))], rng)
-    attack("scenario report", mixed(rng, texts, as_json(trees_of([seed], rng))), read, ScenarioError, tries).check()
+    whole = [written(seed).encode()]
+    texts = bytes_of(whole, rng)
+    attack(
+        "scenario report", whole, mixed(rng, texts, as_json(trees_of([seed], rng))), read, ScenarioError, tries
+    ).check()
 
 
 @TRIES
@@ -87,4 +96,4 @@ def test_known_failures(tries, tmp_path):
             fnmatchcase("C01-yield-in-the-corridor-seat0-mirrored", name)
 
     rng = seeded("known failures")
-    attack("known failures", bytes_of(seeds, rng), read, ScenarioError, tries).check()
+    attack("known failures", seeds, bytes_of(seeds, rng), read, ScenarioError, tries).check()
