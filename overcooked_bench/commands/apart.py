@@ -1,4 +1,4 @@
-"""Plays an agent in a process of its own where its code is not ours: one that exits, crashes or hangs ends no command."""
+"""Plays submissions in a process of their own, so that one that exits, crashes or hangs does not end the command."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager

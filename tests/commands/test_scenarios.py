@@ -42,6 +42,7 @@ def scenarios(*arguments):
         return stop.code
 
 
+@pytest.mark.slow
 def test_run_tells_what_is_passed(home, capsys):
     assert scenarios("run", "T02-pot.scenario.yaml", "--agent", "potter.py") == 0
     assert re.search(r"state +4 +4 +1\.00 \[0\.21, 1\.00\]", capsys.readouterr().out)
@@ -57,6 +58,7 @@ def test_run_tells_what_is_passed(home, capsys):
     assert re.search(r"state +1 +1 ", capsys.readouterr().out)
 
 
+@pytest.mark.slow
 def test_run_shows_films(home, capsys):
     assert scenarios("run", "T01-yield.scenario.yaml", "--agent", "potter.py", "--film", "--seat", "0") == 1
     shown = capsys.readouterr().out
