@@ -82,6 +82,8 @@ def _score(options: argparse.Namespace) -> int:
         print(scored.scores.to_json(), end="")
     else:
         _print_score(scored)
+    for warning in scored.scores.run.get("warnings", ()):
+        print(f"overcooked-bench: warning: {warning}", file=sys.stderr)
     if scored.unwritten:
         print(f"overcooked-bench: nothing was written: {scored.unwritten}", file=sys.stderr)
     if scored.scores.faults:

@@ -4,10 +4,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
 
+from overcooked_bench.evaluation.games.again import play_again
 from overcooked_bench.evaluation.games.asking import Answer, ask_block
 from overcooked_bench.evaluation.games.block import Block, Outcome, play_block
 from overcooked_bench.evaluation.games.engines import Engine
 from overcooked_bench.evaluation.games.store import Store
+from overcooked_bench.evaluation.games.workers import NO_ANSWER
 from overcooked_bench.evaluation.scores import Declined
 from overcooked_bench.files import shown
 
@@ -38,12 +40,15 @@ class Played(NamedTuple):
         finished: Layouts of which every block is in the store.
         declined: Layouts that the agent does not play.
         faults: What the agent did wrong, each at a named cell.
+        differs: How it plays a block differently when it is played again, in words that follow its name; None if it
+            does not, or was not asked to.
     """
 
     episodes: int
     finished: tuple[str, ...]
     declined: tuple[Declined, ...]
     faults: tuple[str, ...]
+    differs: str | None
 
 
 def play_blocks(
@@ -52,8 +57,12 @@ def play_blocks(
     engine: Engine,
     act_timeout: float,
     on_progress: Callable[[Progress], object],
+    again: bool = False,
 ) -> Played:
     """Plays the blocks that the store lacks. The agent is first asked once per layout whether it plays there.
+
+    A block in which it does not answer in time is the last one on that layout with that training seed, since each of
+    the others could take as long.
 
     Args:
         store: Where finished blocks are, and are written.
@@ -61,6 +70,7 @@ def play_blocks(
         engine: Where they are played.
         act_timeout: Seconds that one call of a submission may take.
         on_progress: Called after each block.
+        again: Whether to play the first missing block again and compare, see `again.play_again`.
 
     Raises:
         StoreError: A block cannot be written; those before it are in the store.
@@ -82,9 +92,19 @@ def play_blocks(
     wanted = [block for block in blocks if block.layout in adapted]
     to_play = [replace(block, adapted=adapted[block.layout]) for block in wanted if block.key not in before]
     done, episodes = len(wanted) - len(to_play), 0
-    for outcome in engine.map(play_block, to_play, _lost, act_timeout):
+    overdue: set[tuple[str, int]] = set()
+    differs = None
+    for found in engine.map(play_again, to_play[:1] if again else (), _lost, act_timeout):
+        if isinstance(found, Outcome):
+            faults[found.key] = found.fault or ""
+            overdue |= {found.key[:2]} if NO_ANSWER in faults[found.key] else set()
+        else:
+            differs = found
+    going = (block for block in to_play if block.key[:2] not in overdue)
+    for outcome in engine.map(play_block, going, _lost, act_timeout):
         if outcome.fault is not None:
             faults[outcome.key] = outcome.fault
+            overdue |= {outcome.key[:2]} if NO_ANSWER in outcome.fault else set()
         else:
             store.add_block(outcome.key, outcome.episodes, adapted[outcome.key[0]])
             episodes += len(outcome.episodes)
@@ -97,6 +117,7 @@ def play_blocks(
         finished=tuple(layout for layout in layouts if layout not in missing),
         declined=tuple(Declined(layout, declined[layout]) for layout in layouts if layout in declined),
         faults=tuple(dict.fromkeys(one_line(faults[block.key]) for block in blocks if block.key in faults)),
+        differs=differs,
     )
 
 

@@ -7,17 +7,19 @@ from contextlib import suppress
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import msgspec
 
 from overcooked_bench.agents.agent import Reference
-from overcooked_bench.agents.catalogue import find
-from overcooked_bench.agents.kinds import RUNS_CODE, Entrant
+from overcooked_bench.agents.catalogue import find, runs_code
+from overcooked_bench.agents.kinds import Entrant
 from overcooked_bench.agents.pools.pool import Pool
+from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.evaluation.cells import PartnerLabel, pack_labels
+from overcooked_bench.evaluation.games.asking import identify
 from overcooked_bench.evaluation.games.block import Block
-from overcooked_bench.evaluation.games.engines import open_engine
+from overcooked_bench.evaluation.games.engines import Engine, open_engine
 from overcooked_bench.evaluation.games.replayed import check_returns
 from overcooked_bench.evaluation.games.roster import check_pool, roster
 from overcooked_bench.evaluation.games.store import Store
@@ -37,6 +39,9 @@ from overcooked_bench.evaluation.shown.plots import draw_curve
 from overcooked_bench.evaluation.shown.report import write_report
 from overcooked_bench.evaluation.summary import summarise
 from overcooked_bench.kitchen.layout import Layout
+
+if TYPE_CHECKING:
+    from overcooked_bench.agents.policies.neural import Mode
 
 ACT_TIMEOUT: Final = 60.0
 
@@ -116,75 +121,90 @@ def score(
     started, clock = datetime.now(UTC), time.monotonic()
     rules = protocol if isinstance(protocol, Protocol) else load_protocol(protocol)
     play = rules.play
-    entrant = find(agent, mode=play.mode)
-    source = pool or play.pool
-    if source is None:
-        raise ProtocolError(f"protocol {rules.name!r} names no pool; name one with --pool")
-    partners = Pool.load(source)
-    chosen, skipped = _choose(rules, layouts, entrant)
-    check_pool(partners, rules, chosen)
-    folder = Path(output) if output else default_output(entrant.name, rules)
-    used = _salt(salt, rules, folder)
-    facts = {
-        "protocol": rules.sha256,
-        "agent": entrant.sha256,
-        "pool": partners.hash,
-        "seed": str(seed),
-        "salt": used,
-    }
-    notes = {
-        "settings": msgspec.json.encode(rules).decode(),
-        "agent_name": entrant.name,
-        "pool_name": partners.name,
-        "training_seeds": str(entrant.training_seeds),
-        "partners": pack_labels({layout: _labels(partners, layout) for layout in chosen}),
-    }
-    home = str(partners.folder.absolute())
-    with Store(folder / EPISODES_FILE, facts, notes) as store:
-        check_returns(store, play.cooking, play.horizon)
-        blocks = [
-            Block(
-                agent=entrant.reference,
-                agent_sha256=entrant.sha256,
-                protocol=rules,
-                pool=home,
-                pool_sha256=partners.hash,
-                salt=used,
-                seed=seed,
-                layout=layout,
-                training_seed=run,
-                episode=episode,
-            )
-            for episode in range(play.episodes)
-            for run in range(entrant.training_seeds)
-            for layout in chosen
-        ]
-        items = None
-        with open_engine(engine, workers, apart=entrant.kind in RUNS_CODE) as opened:
-            played = play_blocks(store, blocks, opened, act_timeout, on_progress)
+    untrusted = runs_code(agent)
+    with open_engine(engine, workers, apart=untrusted) as opened:
+        if untrusted and engine == "local":
+            entrant = _identify(agent, play.mode, opened, act_timeout)
+        else:
+            entrant = find(agent, mode=play.mode)
+        source = pool or play.pool
+        if source is None:
+            raise ProtocolError(f"protocol {rules.name!r} names no pool; name one with --pool")
+        partners = Pool.load(source)
+        chosen, skipped = _choose(rules, layouts, entrant)
+        check_pool(partners, rules, chosen)
+        folder = Path(output) if output else default_output(entrant.name, rules)
+        used = _salt(salt, rules, folder)
+        facts = {
+            "protocol": rules.sha256,
+            "agent": entrant.sha256,
+            "pool": partners.hash,
+            "seed": str(seed),
+            "salt": used,
+        }
+        notes = {
+            "settings": msgspec.json.encode(rules).decode(),
+            "agent_name": entrant.name,
+            "pool_name": partners.name,
+            "training_seeds": str(entrant.training_seeds),
+            "partners": pack_labels({layout: _labels(partners, layout) for layout in chosen}),
+        }
+        home = str(partners.folder.absolute())
+        with Store(folder / EPISODES_FILE, facts, notes) as store:
+            check_returns(store, play.cooking, play.horizon)
+            blocks = [
+                Block(
+                    agent=entrant.reference,
+                    agent_sha256=entrant.sha256,
+                    protocol=rules,
+                    pool=home,
+                    pool_sha256=partners.hash,
+                    salt=used,
+                    seed=seed,
+                    layout=layout,
+                    training_seed=run,
+                    episode=episode,
+                )
+                for episode in range(play.episodes)
+                for run in range(entrant.training_seeds)
+                for layout in chosen
+            ]
+            items = None
+            played = play_blocks(store, blocks, opened, act_timeout, on_progress, again=untrusted)
             if scenarios:
                 items = play_scenarios(
                     *(entrant, play.mode, layouts, opened, act_timeout),
                     lambda what, done, of: on_progress(Progress(what, done, of, played.episodes)),
                 )
-        scores = summarise(
-            store,
-            rules,
-            training_seeds=entrant.training_seeds,
-            finished=played.finished,
-            declined=(*played.declined, *skipped),
-            faults=(*played.faults, *(items.faults if items else ())),
-            scenarios=items and items.score,
-            run=_run_facts(started, time.monotonic() - clock, workers, engine),
-        )
-    unwritten = None
-    try:
-        _write(scores, items, folder)
-    except OSError as error:
-        if played.episodes:
-            raise
-        unwritten = str(error)
-    return Scored(scores, folder, played.episodes, unwritten)
+            warnings = {"warnings": [f"{entrant.name} {played.differs}"]} if played.differs else {}
+            scores = summarise(
+                store,
+                rules,
+                training_seeds=entrant.training_seeds,
+                finished=played.finished,
+                declined=(*played.declined, *skipped),
+                faults=(*played.faults, *(items.faults if items else ())),
+                scenarios=items and items.score,
+                run={**_run_facts(started, time.monotonic() - clock, workers, engine), **warnings},
+            )
+        unwritten = None
+        try:
+            _write(scores, items, folder)
+        except OSError as error:
+            if played.episodes:
+                raise
+            unwritten = str(error)
+        return Scored(scores, folder, played.episodes, unwritten)
+
+
+def _identify(agent: Reference, mode: "Mode", engine: Engine, act_timeout: float) -> Entrant:
+    """Finds a submission without running its code in this process, which it could end."""
+
+    def lost(_: object, why: str) -> Entrant:
+        raise AgentError(f"{agent}: {why}")
+
+    (entrant,) = engine.map(identify, [(agent, mode)], lost, act_timeout)
+    return entrant
 
 
 def default_output(agent: str, protocol: Protocol) -> Path:

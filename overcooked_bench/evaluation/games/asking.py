@@ -1,17 +1,38 @@
 """Asks an agent whether it plays a layout, before anything is played there."""
 
-from typing import NamedTuple
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from overcooked_bench.agents.agent import AgentFactory, UnknownLayout
-from overcooked_bench.agents.catalogue import find_unchanged
+from overcooked_bench.agents.agent import Agent, AgentFactory, Reference, UnknownLayout
+from overcooked_bench.agents.catalogue import find, find_unchanged
+from overcooked_bench.agents.kinds import Entrant
 from overcooked_bench.agents.mirror import mirrored
 from overcooked_bench.agents.saying import say
+from overcooked_bench.agents.seated import Seated, SeatedFault
+from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.agents.watch import LOADING, calling
-from overcooked_bench.evaluation.games.block import Block
+from overcooked_bench.evaluation.games.block import EGO, Block
 from overcooked_bench.kitchen.layout import MIRRORED
+
+if TYPE_CHECKING:
+    from overcooked_bench.agents.policies.neural import Mode
+
+
+def identify(agent: tuple[Reference, "Mode"]) -> Entrant:
+    """Finds an agent in a process that it may end; the entrant that is returned makes no agents.
+
+    Args:
+        agent: What `find` takes, and how frozen policies act.
+    """
+    with calling("loading", LOADING):
+        return replace(find(agent[0], mode=agent[1]), make=_elsewhere)
+
+
+def _elsewhere(layout: str, training_seed: int) -> Agent:
+    raise AssertionError("the agent was loaded in another process")
 
 
 class Answer(NamedTuple):
@@ -61,11 +82,6 @@ def _start(make: AgentFactory, layout: str, training_seed: int, adapted: bool) -
     try:
         with calling("make_agent", LOADING):
             ego = make(layout.removesuffix(MIRRORED) if adapted else layout, training_seed)
-        with calling("reset", LOADING):
-            agent = mirrored(ego) if adapted else ego
-            agent.reset(layout, np.zeros(1, np.int64), np.zeros(1, np.uint64))
-    except UnknownLayout:
-        raise
-    except BaseException as error:
-        if isinstance(error, KeyboardInterrupt):
-            raise
+        Seated(mirrored(ego) if adapted else ego, EGO, np.arange(1)).reset(layout, np.zeros(1, np.uint64))
+    except (AgentError, SeatedFault):
+        return

@@ -9,14 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import AgentFactory, UnknownLayout
-from overcooked_bench.agents.catalogue import find_unchanged
+from overcooked_bench.agents.catalogue import find_unchanged, runs_code
 from overcooked_bench.agents.kinds import RUNS_CODE
 from overcooked_bench.agents.mirror import mirrored
+from overcooked_bench.agents.saying import describe
 from overcooked_bench.agents.seated import Seated, SeatedFault
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.agents.turned import Turned
 from overcooked_bench.agents.watch import LOADING, calling
+from overcooked_bench.errors import OvercookedBenchError
 from overcooked_bench.evaluation.games.episode import Episode, pack_actions, pack_state, side_of
 from overcooked_bench.evaluation.games.play import Games, make_kitchens, play
 from overcooked_bench.evaluation.games.roster import Partner, pool_as_hashed, roster, seat_partners
@@ -94,6 +96,18 @@ def play_block(block: Block) -> Outcome:
         AgentError: The agent was changed since the score began.
         PoolError: The pool was.
     """
+    try:
+        return _outcome(block)
+    except OvercookedBenchError:
+        raise
+    except Exception as error:
+        if not runs_code(block.agent):
+            raise
+        why = f"code outside of the agent failed ({describe(error)}): does the agent change what that code uses?"
+        return Outcome(block.key, fault=f"{_cell(block)}: {why}")
+
+
+def _outcome(block: Block) -> Outcome:
     partners = roster(pool_as_hashed(block.pool, block.pool_sha256), block.layout)
     who, seats = _deal(block, partners)
     with one_thread():
@@ -184,8 +198,11 @@ def _blame(
         where = f"partners {names} (one call plays them all), seats {' and '.join(map(str, every))}"
     else:
         where = f"partner {partners[who[fault.row]].name}, seat {seats[fault.row]}"
-    cell = f"{block.layout}, training seed {block.training_seed}, episode {block.episode}"
-    return f"{cell}, {where}, {fault.when}: {fault.what}"
+    return f"{_cell(block)}, {where}, {fault.when}: {fault.what}"
+
+
+def _cell(block: Block) -> str:
+    return f"{block.layout}, training seed {block.training_seed}, episode {block.episode}"
 
 
 @contextmanager

@@ -23,6 +23,8 @@ Result = TypeVar("Result")
 _BETWEEN_LOOKS: Final = 0.5
 """Seconds between two looks at what the workers call."""
 _NOTHING: Final = object()
+NO_ANSWER: Final = "no answer within"
+"""Is in the message of every overdue call."""
 
 
 class Crew(AbstractContextManager["Crew"]):
@@ -166,7 +168,7 @@ class _Worker:
         limit = (patience or 0.0) * self._board.allowance
         if not call or patience is None or now - self._since <= limit:
             return None
-        return f"{self._board.what}: no answer within {limit:g} s; --act-timeout gives a slow agent longer"
+        return f"{self._board.what}: {NO_ANSWER} {limit:g} s; --act-timeout gives a slow agent longer"
 
     def end(self) -> None:
         """Ends the process and all that it has started."""
