@@ -1,21 +1,26 @@
-"""Compiles kernels with numba and a reliable cache: keyed by the sources, and optional if nothing can be written."""
+"""Compiles kernels with numba and a reliable cache: keyed by the sources, checked, and optional if read-only."""
+
+# mypy: disable-error-code="no-untyped-call"
 
 import hashlib
 import os
+import pickle
 import sys
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 import numba
-
-from overcooked_bench.kitchen.compiled_files import keep_checked
+from numba.core.caching import IndexDataCacheFile
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 DISABLED: bool = bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
 """Whether kernels run as plain Python (NUMBA_DISABLE_JIT=1), the oracle of the tests."""
+
+_SIZE: Final = hashlib.sha256().digest_size
 
 
 def jit(function: Function) -> Function:
@@ -34,7 +39,8 @@ def jit(function: Function) -> Function:
     numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
     try:
         kernel = numba.njit(cache=True, **options)(function)
-        keep_checked(kernel._cache)
+        cache, impl = kernel._cache, kernel._cache._impl
+        cache._cache_file = CheckedFiles(cache.cache_path, impl.filename_base, impl.locator.get_source_stamp())
         return kernel  # type: ignore[no-any-return]
     finally:
         numba.config.CACHE_DIR = before  # type: ignore[attr-defined]
@@ -67,3 +73,45 @@ def _cache_folder(beside: Path) -> Path | None:
         except OSError:
             continue
     return None
+
+
+class CheckedFiles(IndexDataCacheFile):
+    """Numba's index and data files with a checksum: a damaged one counts as absent, and its code is compiled again."""
+
+    def save(self, key: Any, data: Any) -> None:
+        """Saves compiled code, or does without where that is impossible."""
+        with suppress(OSError):
+            super().save(key, data)
+
+    def _load_index(self) -> dict[Any, str]:
+        try:
+            version, stamp, overloads = self._read(self._index_path)
+        except (OSError, ValueError, TypeError):
+            return {}
+        fresh = version == self._version and stamp == self._source_stamp and isinstance(overloads, dict)
+        return overloads if fresh else {}
+
+    def _save_index(self, overloads: dict[Any, str]) -> None:
+        self._write(self._index_path, (self._version, self._source_stamp, overloads))
+
+    def _load_data(self, name: str) -> Any:
+        return self._read(self._data_path(name))
+
+    def _save_data(self, name: str, data: Any) -> None:
+        self._write(self._data_path(name), data)
+
+    def _write(self, path: str, value: Any) -> None:
+        data = self._dump(value)
+        with self._open_for_write(path) as file:
+            file.write(hashlib.sha256(data).digest() + data)
+
+    def _read(self, path: str) -> Any:
+        """Reads a file that `_write` wrote.
+
+        Raises:
+            OSError: It is missing or damaged; Numba takes that for a file that is not there.
+        """
+        content = Path(path).read_bytes()
+        if hashlib.sha256(content[_SIZE:]).digest() != content[:_SIZE]:
+            raise OSError(f"{path} is damaged")
+        return pickle.loads(content[_SIZE:])

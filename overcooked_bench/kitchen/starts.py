@@ -85,18 +85,18 @@ def start_kitchens(
     """Puts the kitchens of a mask into start states, with empty pots and hands; chefs look north.
 
     Args:
-        rows: The batch, changed in place, with `clock`, `image` and `stream`; see `Batch`.
-        clock: See `Batch`.
-        image: See `Batch`.
-        stream: See `Batch`.
+        rows: (N, 6 + C + P) uint16, changed in place, like `clock`, `image` and `stream`; see `Batch`.
+        clock: (N,) int64.
+        image: (N, 26 * C) uint8.
+        stream: (N, 2) uint64.
         mask: (N,) bool.
-        fresh: The layout's tables, see `Tables`, with the six that follow.
-        floor: See `Tables`.
-        allowed: See `Tables`.
-        standard: See `Tables`.
-        pots: See `Tables`.
-        by_code: See `Tables`.
-        background: See `Tables`.
+        fresh: (C,) uint16, a table of the layout like the six that follow; see `Tables`.
+        floor: (F, 2) uint16.
+        allowed: (R, R) bool.
+        standard: (2,) uint16.
+        pots: (P,) uint16.
+        by_code: (64, 11) uint8.
+        background: (26 * C,) uint8.
         horizon: Steps of an episode, for the urgency plane.
         random: Whether start cells are random: uniform over the ordered pairs of distinct floor cells whose regions
             `Layout.start_regions` allows.
@@ -139,14 +139,14 @@ def fill_kitchens(
     It is a separate kernel since most kitchens start empty, and need not wait for it to be compiled.
 
     Args:
-        rows: See `Batch`, like `image` and `stream`; changed in place.
-        image: See `Batch`.
-        stream: See `Batch`.
+        rows: (N, 6 + C + P) uint16, changed in place, like `image` and `stream`; see `Batch`.
+        image: (N, 26 * C) uint8.
+        stream: (N, 2) uint64.
         mask: (N,) bool.
-        orders: See `Tables`, like the three that follow.
-        pots: See `Tables`.
-        by_code: See `Tables`.
-        background: See `Tables`.
+        orders: (K, 3) uint16, a table of the layout like the three that follow; see `Tables`.
+        pots: (P,) uint16.
+        by_code: (64, 11) uint8.
+        background: (26 * C,) uint8.
         horizon: Steps of an episode.
         object_probability: Chance of each pot and each pair of hands to be filled from the orders.
     """

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from overcooked_bench import Kitchens
-from overcooked_bench.kitchen.compiled_files import CheckedFiles
+from overcooked_bench.kitchen.jit import CheckedFiles
 from tests.kitchen import trace as tracing
 
 PACKAGE = Path(find_spec("overcooked_bench").origin).parent

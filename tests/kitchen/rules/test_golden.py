@@ -7,7 +7,7 @@ import pytest
 from overcooked_bench import Layout
 from tests.kitchen.replay import read_golden, replay_golden
 
-GOLDEN = Path(__file__).parents[1] / "data" / "golden"
+GOLDEN = Path(__file__).parents[2] / "data" / "golden"
 RECORDINGS = sorted(GOLDEN.glob("*/*.npz"))
 SHIPPED = {
     "asymmetric_advantages": "asymmetric_advantages",
