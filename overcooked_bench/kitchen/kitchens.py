@@ -23,6 +23,7 @@ from overcooked_bench.kitchen.state import KitchenState
 from overcooked_bench.kitchen.tables import Tables, compile_tables
 
 _INT64: Final = np.dtype(np.int64)  # comparing with the type itself takes ten times as long
+_BOOL: Final = np.dtype(np.bool_)
 
 
 class StepResult(NamedTuple):
@@ -166,7 +167,7 @@ class Kitchens:
         n, joint = self.num_kitchens, np.asarray(actions)
         if joint.dtype != _INT64 or joint.shape != (n, 2) or not joint.flags.c_contiguous:
             joint = self._checked(joint)
-        rewards, truncated, events, taken = np.empty((2, n, 2)), np.empty(n, np.bool_), None, None
+        rewards, truncated, events, taken = np.empty((2, n, 2)), np.empty(n, _BOOL), None, None
         if self._notes:
             events = np.zeros((n, 2, len(EVENTS)), np.bool_) if "events" in self._notes else None
             taken = np.empty((n, 2), np.uint16) if "actions_taken" in self._notes else None
