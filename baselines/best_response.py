@@ -4,16 +4,14 @@ Source: thesis, 7.1.1 (the single-agent view: the partner's sampled actions make
 share out the parallel kitchens evenly; frozen policies of one architecture act in one stacked forward.
 """
 
-import sys
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Final
 
-from .learning.algorithms import A2C_ROLLOUT, DQN_STEPS, Algorithm, AnyLearner, make_a2c, make_dqn, make_learner
-from .learning.command import main_of
-from .learning.partners import frozen_policies, load_partners, partner_names, returns_with, sharing
-from .learning.run import Outcome, UnfitError, make_env, run
+from .learning.algorithms import Algorithm, AnyLearner, make_a2c, make_dqn, make_learner
 from .learning.settings import PartnerSettings, check_draws
+from .running.partners import frozen_policies, load_partners, partner_names, returns_with, sharing
+from .running.place import Place
+from .running.run import Outcome, UnfitError, make_env, run
 
 METHOD: Final = "best-response"
 
@@ -40,14 +38,13 @@ class Config(PartnerSettings):
         check_draws(self.per_episode, self.num_kitchens, least=0)
 
     @property
-    def update_steps(self) -> int:
-        """Joint steps from one update to the next; snapshots are taken in between."""
-        rollout = {"ppo": self.rollout, "a2c": min(A2C_ROLLOUT, self.rollout), "dqn": DQN_STEPS}[self.algorithm]
-        return self.num_kitchens * rollout
+    def partner_references(self) -> tuple[str, ...]:
+        """The partners and pools that the settings name."""
+        return self.partners
 
 
-def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:
-    """Trains, freezes and evaluates one policy; see `run` for arguments, result and errors."""
+def train(config: Config, place: Place) -> Outcome | None:
+    """Trains, freezes and evaluates one policy; see `run` for the result and errors."""
     names = partner_names(config.partners, config)
 
     def make(seed: int) -> AnyLearner:
@@ -61,18 +58,9 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
         return make_a2c(config, env, seed) if config.algorithm == "a2c" else make_dqn(config, env, seed)
 
     hashes = [policy.sha256 for policy in frozen_policies(load_partners(names, config))]
-    told = {"partner_names": names, "partner_hashes": hashes}
-    outcome = run(config, METHOD, output, seed, make, resume=resume, every=every, told=told)
+    known = {"partner_names": names, "partner_hashes": hashes}
+    outcome = run(config, METHOD, place, make, known=known)
     if outcome is None:
         return None
     episodes = max(1, 100 // len(names))
     return replace(outcome, with_partners=returns_with(outcome.files, load_partners(names, config), config, episodes))
-
-
-def main(arguments: list[str]) -> int:
-    """Runs `overcooked-bench train best-response ...`; gives the exit code: 0, 2 for wrong use, 130 after Ctrl-C."""
-    return main_of(METHOD, Config, train, arguments)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))

@@ -8,19 +8,17 @@ Source: Yu et al. 2023, hidden-utility self-play (HSP), whose biased policies ar
 rewards. Events, weights and their growth are our own: a liked event pays less than a soup brings in the time it takes.
 """
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from .learning.algorithms import make_learner
-from .learning.command import main_of
 from .learning.learner import Learner
-from .learning.run import Outcome, UnfitError, make_env, run
-from .learning.seeds import part_of, restarted
-from .learning.settings import Settings
+from .learning.settings import Settings, SettingsError
+from .running.place import Place
+from .running.run import Outcome, UnfitError, make_env, run
+from .running.seeds import part_of, restarted
 
 METHOD: Final = "biased-self-play"
 
@@ -47,11 +45,13 @@ class Config(Settings):
         """Checks the bias too.
 
         Raises:
-            ValueError: Names the setting and what it may be.
+            SettingsError: Names the setting and what it may be.
         """
         Settings.__post_init__(self)
         if not self.biased_events or not self.bias_weights:
-            raise ValueError("biased_events and bias_weights need at least one entry each; without bias use self-play")
+            raise SettingsError(
+                "biased_events and bias_weights need at least one entry each; without bias use self-play"
+            )
 
     def event_share_at(self, done: int) -> float:
         """Gives the share of what events pay besides, after `done` joint steps.
@@ -71,22 +71,13 @@ def event_weights(config: Config, seed: int) -> dict[str, float]:
     raise UnfitError(f"bias_weights={config.bias_weights}; give at least one weight that is not 0")
 
 
-def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:
-    """Trains, freezes and evaluates one policy; see `run` for arguments, result and errors."""
+def train(config: Config, place: Place) -> Outcome | None:
+    """Trains, freezes and evaluates one policy; see `run` for the result and errors."""
     attempts = 1 + (config.restarts if config.check_share else 0)
-    weights = {own: event_weights(config, own) for own in (restarted(seed, k) for k in range(attempts))}
+    weights = {own: event_weights(config, own) for own in (restarted(place.seed, k) for k in range(attempts))}
 
     def make(seed: int) -> Learner:
         return make_learner(config, make_env(config, self_play=True, event_rewards=weights[seed]), seed)
 
-    told = {"event_rewards": list(weights.values())}  # of each attempt
-    return run(config, METHOD, output, seed, make, resume=resume, every=every, told=told)
-
-
-def main(arguments: list[str]) -> int:
-    """Runs `overcooked-bench train biased-self-play ...`; gives the exit code: 0, 2 for wrong use, 130 after Ctrl-C."""
-    return main_of(METHOD, Config, train, arguments)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))
+    known = {"event_rewards": list(weights.values())}  # of each attempt
+    return run(config, METHOD, place, make, known=known)

@@ -30,7 +30,7 @@ def check_method(name: str) -> None:
 
 
 def find_method(name: str) -> ModuleType:
-    """Imports a method's module, which has `Config`, `train` and `main`.
+    """Imports a method's module, which has `Config` and `train`.
 
     Raises:
         WrongUse: There is no such method.

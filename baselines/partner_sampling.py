@@ -4,7 +4,6 @@ Source: thesis, 5.2.2. The policy is saved every `save_every` joint steps; each 
 saved policies, drawn uniformly, that share out the kitchens.
 """
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -17,11 +16,11 @@ from overcooked_bench.agents.policies.ensemble import SampledPartners
 from overcooked_bench.agents.policies.policy import Policy, load_policy, policy_files
 
 from .learning.algorithms import make_learner
-from .learning.command import main_of
 from .learning.freeze import freeze
 from .learning.learner import Learner
-from .learning.run import Outcome, make_env, run
-from .learning.settings import PartnerSettings, check_draws
+from .learning.settings import PartnerSettings, SettingsError, check_draws
+from .running.place import Place
+from .running.run import Outcome, make_env, run
 
 METHOD: Final = "partner-sampling"
 PAST: Final = "past"
@@ -40,12 +39,12 @@ class Config(PartnerSettings):
         """Checks the past too.
 
         Raises:
-            ValueError: Names the setting and what it may be.
+            SettingsError: Names the setting and what it may be.
         """
         PartnerSettings.__post_init__(self)
         check_draws(self.per_episode, self.num_kitchens)
         if self.save_every < 1:
-            raise ValueError(f"save_every={self.save_every}; give a number from 1")
+            raise SettingsError(f"save_every={self.save_every}; give a number from 1")
 
 
 class PastSelves:
@@ -112,9 +111,9 @@ def save(model: Learner, done: int, folder: Path, config: Config) -> None:
         freeze(folder / str(done), model, config)
 
 
-def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:
-    """Trains, freezes and evaluates one policy; see `run` for arguments, result and errors."""
-    folder = output / PAST
+def train(config: Config, place: Place) -> Outcome | None:
+    """Trains, freezes and evaluates one policy; see `run` for the result and errors."""
+    folder = place.folder / PAST
     made: list[PastSelves] = []
 
     def make(seed: int) -> Learner:
@@ -130,13 +129,4 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
         made[-1].next = joint_steps - joint_steps % episode
 
     saving = Saving(config, folder)
-    return run(config, METHOD, output, seed, make, resume=resume, every=every, callbacks=[saving], before=before)
-
-
-def main(arguments: list[str]) -> int:
-    """Runs `overcooked-bench train partner-sampling ...`; gives the exit code: 0, 2 for wrong use, 130 after Ctrl-C."""
-    return main_of(METHOD, Config, train, arguments)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))
+    return run(config, METHOD, place, make, callbacks=[saving], before=before)

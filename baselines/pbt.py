@@ -5,11 +5,11 @@ replaced by the best one with mutated hyperparameters). In each round every agen
 at the round's start; then all pairs play.
 """
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, TypedDict
+from typing import Any, Final
 
+import msgspec
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -20,23 +20,14 @@ from overcooked_bench.agents.policies.policy import PolicyFiles, load_policy, po
 from overcooked_bench.evaluation.games.play import play_episodes
 
 from .learning.algorithms import make_learner
-from .learning.command import main_of
 from .learning.freeze import freeze, returns_with_itself
 from .learning.learner import Learner
-from .learning.partners import returns_with
-from .learning.parts import begun, loaded
-from .learning.run import (
-    CHECKPOINT,
-    POLICY,
-    Outcome,
-    claim,
-    make_env,
-    read_json,
-    run,
-    write_json,
-)
-from .learning.seeds import part_of
-from .learning.settings import PartnerSettings
+from .learning.settings import PartnerSettings, SettingsError
+from .running.partners import returns_with
+from .running.parts import loaded
+from .running.place import Place, read_record, write_record
+from .running.run import CHECKPOINT, POLICY, Outcome, claim, make_env, run
+from .running.seeds import part_of
 
 METHOD: Final = "pbt"
 ROUNDS: Final = "rounds.json"
@@ -65,22 +56,22 @@ class Config(PartnerSettings):
         """Checks the population too.
 
         Raises:
-            ValueError: Names the setting and what it may be.
+            SettingsError: Names the setting and what it may be.
         """
         PartnerSettings.__post_init__(self)
         if self.agents < 2 or not 0 <= self.replaced <= self.agents // 2 or self.rounds < 1 or self.mutation < 1:
-            raise ValueError(
+            raise SettingsError(
                 f"agents={self.agents}, rounds={self.rounds}, replaced={self.replaced}, mutation={self.mutation}; give "
                 "at least 2 agents, 1 round, at most half of the agents to replace, and a factor from 1"
             )
         least = 2 * self.num_kitchens * self.rollout
         if self.agents > self.num_kitchens or self.steps // self.rounds < least:
-            raise ValueError(
+            raise SettingsError(
                 f"rounds={self.rounds} of {self.steps // self.rounds} steps with {self.agents} agents; a round needs "
                 f"two updates, {least} joint steps, and each agent a kitchen"
             )
         if self.check_share or self.snapshots:
-            raise ValueError(
+            raise SettingsError(
                 f"check_share={self.check_share}, snapshots={self.snapshots}; leave both out: a population replaces "
                 "who learns too little, and keeps the policies of every round"
             )
@@ -104,21 +95,22 @@ class Leg(PartnerSettings):
         return min(1.0, (self.begun + done) / (share * self.whole)) if share else 1.0
 
 
-class _Round(TypedDict):
-    """What `rounds.json` says of each round."""
+class _Round(msgspec.Struct):
+    """What a round measured and changed."""
 
     pairs: list[list[float]]
     source: list[int]
-    hyperparameters: list[dict[str, int | float]]
+    hyperparameters: list[dict[str, float]]
 
 
-def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:
+def train(config: Config, place: Place) -> Outcome | None:
     """Trains the population; the outcome is that of the agent that plays best with all of them at the end.
 
-    See `run` for arguments and errors.
+    See `run` for errors.
     """
-    claim(output, config, METHOD, seed, resume)
-    history = (read_json(output / ROUNDS, list[_Round]) or []) if resume else []
+    claim(place, config, METHOD)
+    output, seed = place.folder, place.seed
+    history = (read_record(output / ROUNDS, list[_Round]) or []) if place.resume else []
     parents = _first_agents(config, output, seed)
     hyper = [{name: getattr(config, name) for name in MUTABLE} for _ in range(config.agents)]
     legs: list[Outcome] = []
@@ -127,8 +119,8 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
         folder = output / f"round-{number}"
         outcomes = []
         for k in range(config.agents):
-            place, own = folder / f"agent-{k}", part_of(seed, f"{number} {k}")
-            leg = _learn(config, number, k, hyper[k], parents, place, own, every)
+            part = place.part(f"round-{number}/agent-{k}", f"{number} {k}")
+            leg = _learn(config, number, k, hyper[k], parents, part)
             if leg is None:
                 return None
             outcomes.append(leg)
@@ -136,10 +128,10 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
         if number == len(history):
             measured = pairwise([leg.files for leg in outcomes], config)
             source, hyper_next = exploit(measured, hyper, config, part_of(seed, f"{number} replaced"))
-            history.append({"pairs": measured.tolist(), "source": source, "hyperparameters": hyper_next})
-            write_json(output / ROUNDS, history)
-        scores, hyper = np.asarray(history[number]["pairs"]), history[number]["hyperparameters"]
-        parents = [folder / f"agent-{source}" for source in history[number]["source"]]
+            history.append(_Round(measured.tolist(), source, hyper_next))
+            write_record(output / ROUNDS, msgspec.to_builtins(history))
+        scores, hyper = np.asarray(history[number].pairs), history[number].hyperparameters
+        parents = [folder / f"agent-{source}" for source in history[number].source]
     best = int(scores.mean(1).argmax())
     for ours, theirs in zip(policy_files(output / POLICY), outcomes[best].files, strict=True):
         ours.write_bytes(theirs.read_bytes())
@@ -236,9 +228,7 @@ def _learn(
     k: int,
     hyper: dict[str, float],
     parents: list[Path],
-    folder: Path,
-    seed: int,
-    every: int,
+    place: Place,
 ) -> Outcome | None:
     steps = config.steps // config.rounds
     own = {field: getattr(config, field) for field in PartnerSettings.__dataclass_fields__}
@@ -253,18 +243,9 @@ def _learn(
         model.policy.optimizer.load_state_dict(content["optimizer"])
         return model
 
-    told = {"partner_hashes": [load_policy(parent / POLICY).sha256 for parent in parents], "hyperparameters": hyper}
-    return run(leg, METHOD, folder, seed, make, resume=begun(folder), every=every, told=told)
+    known = {"partner_hashes": [load_policy(parent / POLICY).sha256 for parent in parents], "hyperparameters": hyper}
+    return run(leg, METHOD, place, make, known=known)
 
 
 def _learned(model: Learner) -> dict[str, Any]:
     return {"policy": model.policy.state_dict(), "optimizer": model.policy.optimizer.state_dict()}
-
-
-def main(arguments: list[str]) -> int:
-    """Runs `overcooked-bench train pbt ...`; gives the exit code: 0, 2 for wrong use, 130 after Ctrl-C."""
-    return main_of(METHOD, Config, train, arguments)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))

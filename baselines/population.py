@@ -7,14 +7,14 @@ an agent is trained for longer; the pressure's reward is not annealed. All confi
 initial agents where they share `--initial`.
 """
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import inf
 from pathlib import Path
-from typing import Final, TypedDict
+from typing import Final
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,18 +24,16 @@ from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.kitchen.layout import Layout
 
 from .learning.algorithms import make_learner
-from .learning.checkpoint import CheckpointError
-from .learning.command import main_of
 from .learning.inputs import spreader
 from .learning.learner import Learner
-from .learning.locks import alone
-from .learning.partners import load_partners, partner_names, returns_with
-from .learning.parts import begun, loaded, self_play_agents
 from .learning.pressure import Pressure
-from .learning.run import POLICY, Outcome, claim, label, make_env, read_json, run, write_json
-from .learning.seeds import part_of
-from .learning.settings import PartnerSettings, check_draws
+from .learning.settings import PartnerSettings, SettingsError, check_draws
 from .pretrained_partners import self_play_config
+from .running.locks import alone
+from .running.partners import load_partners, partner_names, returns_with
+from .running.parts import loaded, self_play_agents
+from .running.place import CheckpointError, Place, label, read_record, write_record
+from .running.run import POLICY, Outcome, claim, make_env, run
 
 METHOD: Final = "population"
 CHOSEN: Final = "chosen.json"
@@ -77,34 +75,34 @@ class Config(PartnerSettings):
         """Checks the population too.
 
         Raises:
-            ValueError: Names the setting and what it may be.
+            SettingsError: Names the setting and what it may be.
         """
         PartnerSettings.__post_init__(self)
         if not 1 <= self.chosen <= self.candidates or self.agents < 0:
-            raise ValueError(
+            raise SettingsError(
                 f"candidates={self.candidates}, chosen={self.chosen}, agents={self.agents}; choose from 1 up to all "
                 "of the candidates, and train 0 agents or more"
             )
         check_draws(self.per_episode, self.num_kitchens)
         if self.per_episode > self.chosen:
-            raise ValueError(f"per_episode={self.per_episode}; draw at most the {self.chosen} initial agents")
+            raise SettingsError(f"per_episode={self.per_episode}; draw at most the {self.chosen} initial agents")
         if not 1 <= self.final_factor < inf:
-            raise ValueError(f"final_factor={self.final_factor}; give a factor from 1")
+            raise SettingsError(f"final_factor={self.final_factor}; give a factor from 1")
         for kind in ("reward", "loss"):
             coefficient, clip = getattr(self, f"{kind}_coefficient"), getattr(self, f"{kind}_clip")
             if not (0 < coefficient < inf and 0 < clip < inf) and (coefficient, clip) != (0, 0):
-                raise ValueError(
+                raise SettingsError(
                     f"{kind}_coefficient={coefficient} with {kind}_clip={clip}; give both above 0, or both as 0"
                 )
         try:
             self_play_config(self, self.candidate_steps)
         except ValueError as error:
-            raise ValueError(f"candidate_steps={self.candidate_steps}: as self-play, {error}") from None
+            raise SettingsError(f"candidate_steps={self.candidate_steps}: as self-play, {error}") from None
 
     @property
-    def trained_steps(self) -> int:
-        """Joint steps of the run whose policy comes out, a final agent's."""
-        return round(self.final_factor * self.steps)
+    def partner_references(self) -> tuple[str, ...]:
+        """The partners and pools that the settings name."""
+        return (self.development,)
 
     @property
     def presses(self) -> bool:
@@ -112,22 +110,32 @@ class Config(PartnerSettings):
         return self.reward_coefficient > 0 or self.loss_coefficient > 0
 
 
-def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:
+class _Chosen(msgspec.Struct):
+    """What `chosen.json` holds: hashes and returns of the candidates, and the indices of the chosen ones."""
+
+    candidates: list[str]
+    own: list[float]
+    with_development_partners: list[list[float]]
+    chosen: list[int]
+
+
+def train(config: Config, place: Place) -> Outcome | None:
     """Trains the population and the finals; the outcome is the first final's, `final-1` is trained without initials.
 
-    See `run` for arguments and errors. Each agent lies in a folder of its own under `output`.
+    See `run` for errors. Each agent lies in a folder of its own under `output`.
     """
     try:
         development = partner_names((config.development,), config)
     except PoolError as error:
         raise PoolError(f"{error}; or choose other development partners by --development") from error
     load_partners(development, config)  # before any training, lest a slip in them comes out late
-    claim(output, config, METHOD, seed, resume)
-    initial = config.initial or output.parent / f"initial-{label(config.layout)}-{seed}"
+    claim(place, config, METHOD)
+    output = place.folder
+    initial = config.initial or output.parent / f"initial-{label(config.layout)}-{place.seed}"
     own = self_play_config(config, config.candidate_steps)
     try:
         with alone(initial):
-            candidates = self_play_agents([own] * config.candidates, initial, seed, every)
+            candidates = self_play_agents([own] * config.candidates, replace(place, folder=initial))
     except CheckpointError as error:
         raise CheckpointError(f"{error}, or another --initial for the initial agents") from None
     if candidates is None:
@@ -136,14 +144,14 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
     members = [loaded([candidates[i].files])[0] for i in chosen]
     grown: list[Outcome] = []
     for k in range(config.agents):
-        outcome = _against(members, config, output / f"agent-{k}", part_of(seed, f"agent {k}"), every)
+        outcome = _against(members, config, place.part(f"agent-{k}", f"agent {k}"))
         if outcome is None:
             return None
         members += loaded([outcome.files])
         grown.append(outcome)
     longer = replace(
         config,
-        steps=config.trained_steps,
+        steps=round(config.final_factor * config.steps),
         reward_coefficient=0.0,
         reward_clip=0.0,
         loss_coefficient=0.0,
@@ -151,7 +159,7 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
     )
     finals = []
     for k, partners in enumerate((members, members[len(chosen) :] or members)):
-        final = _against(partners, longer, output / f"final-{k}", part_of(seed, f"final {k}"), every)
+        final = _against(partners, longer, place.part(f"final-{k}", f"final {k}"))
         if final is None:
             return None
         finals.append(final)
@@ -190,20 +198,13 @@ def choose(own: Sequence[float], vectors: NDArray[np.float64], count: int) -> tu
     return sets[int(np.argmax([sum(distance[i, j] for i, j in combinations(one, 2)) for one in sets]))]
 
 
-class _Chosen(TypedDict):
-    """What `chosen.json` is read for."""
-
-    candidates: list[str]
-    chosen: list[int]
-
-
 def _choose(config: Config, files: list[Path], development: Sequence[str], output: Path) -> list[int]:
     """Measures the candidates and chooses; what was found once is read again."""
     place = output / CHOSEN
     hashes = [load_policy(file).sha256 for file in files]
-    known = read_json(place, _Chosen)
-    if known is not None and known["candidates"] == hashes:
-        return known["chosen"]
+    known = read_record(place, _Chosen)
+    if known is not None and known.candidates == hashes:
+        return known.chosen
     partners = load_partners(development, config)
     episodes = 20
     own = [
@@ -217,20 +218,20 @@ def _choose(config: Config, files: list[Path], development: Sequence[str], outpu
     )
     chosen = [int(i) for i in choose(own, vectors, config.chosen)]
     output.mkdir(parents=True, exist_ok=True)
-    told = {"candidates": hashes, "own": own, "with_development_partners": vectors.tolist(), "chosen": chosen}
-    write_json(place, told)
+    found = _Chosen(hashes, own, vectors.tolist(), chosen)
+    write_record(place, msgspec.to_builtins(found))
     return chosen
 
 
-def _against(members: Sequence[Policy], config: Config, folder: Path, seed: int, every: int) -> Outcome | None:
+def _against(members: Sequence[Policy], config: Config, place: Place) -> Outcome | None:
     """Trains one agent against a population."""
 
     def make(seed: int) -> Learner:
         env = make_env(config, partners=[SampledPartners(members, min(config.per_episode, len(members)))])
         return make_learner(config, env, seed, _pressure(members, config) if config.presses else None)
 
-    told = {"partner_hashes": [member.sha256 for member in members]}
-    return run(config, METHOD, folder, seed, make, resume=begun(folder), every=every, told=told)
+    known = {"partner_hashes": [member.sha256 for member in members]}
+    return run(config, METHOD, place, make, known=known)
 
 
 def _pressure(members: Sequence[Policy], config: Config) -> Pressure:
@@ -243,12 +244,3 @@ def _pressure(members: Sequence[Policy], config: Config) -> Pressure:
         loss_coefficient=config.loss_coefficient,
         loss_clip=config.loss_clip,
     )
-
-
-def main(arguments: list[str]) -> int:
-    """Runs `overcooked-bench train population ...`; gives the exit code: 0, 2 for wrong use, 130 after Ctrl-C."""
-    return main_of(METHOD, Config, train, arguments)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))

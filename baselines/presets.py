@@ -5,16 +5,17 @@ A configuration says where it differs from the method's defaults; `extends: othe
 such a file has one configuration, `default`.
 """
 
-import types
 from dataclasses import MISSING, fields
 from functools import lru_cache
 from importlib.resources import files
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from pathlib import Path
+from typing import Any, TypeVar, get_type_hints
 
 import msgspec
 
 from overcooked_bench.documents import parse_yaml
 from overcooked_bench.errors import WrongUse
+from overcooked_bench.files import shown
 from overcooked_bench.kitchen.errors import LayoutError
 from overcooked_bench.kitchen.layout import MIRRORED, Layout
 from overcooked_bench.shelf import guess
@@ -110,39 +111,31 @@ def _plain_name(layout: str) -> str:
 
 
 def checked(kind: type[Settings], settings: dict[str, Any], where: str) -> dict[str, Any]:
-    """Gives settings as their class wants them: lists as tuples, whole numbers as floats where these are asked for.
+    """Converts settings to the types of their class: lists to tuples, whole numbers to floats.
 
     Raises:
         PresetError: A setting is unknown, missing or of another type.
     """
-    hints = get_type_hints(kind)
-    known = {f.name: hints[f.name] for f in fields(kind)}
+    hints, known = get_type_hints(kind), {field.name: field for field in fields(kind)}
     for key in settings:
         if key not in known:
             raise PresetError(f"{where}: unknown setting {key!r}; {guess(key, known)}there is {', '.join(known)}")
-    for f in fields(kind):
-        if f.default is MISSING and f.default_factory is MISSING and f.name not in settings:
-            raise PresetError(f"{where}: the setting {f.name!r} is missing")
-    return {key: _fitted(known[key], value, f"{where}, {key}") for key, value in settings.items()}
+    for field in known.values():
+        if field.default is MISSING and field.default_factory is MISSING and field.name not in settings:
+            raise PresetError(f"{where}: the setting {field.name!r} is missing")
+    found = {}
+    for key, value in settings.items():
+        try:
+            found[key] = msgspec.convert(value, hints[key], dec_hook=_path)
+        except msgspec.ValidationError as error:
+            raise PresetError(f"{where}, {key}: {shown(value)!r} does not fit ({error})") from None
+    return found
 
 
-def _fitted(hint: Any, value: Any, where: str) -> Any:
-    origin, inner = get_origin(hint), get_args(hint)
-    if origin in (Union, types.UnionType):
-        if value is None and type(None) in inner:
-            return None
-        return _fitted(next(kind for kind in inner if kind is not type(None)), value, where)
-    if origin is Literal and value in inner:
-        return value
-    if origin is tuple and isinstance(value, list | tuple):
-        return tuple(_fitted(inner[0], entry, where) for entry in value)
-    if origin is dict and isinstance(value, dict):
-        return {_fitted(inner[0], k, where): _fitted(inner[1], v, where) for k, v in value.items()}
-    if hint is float and isinstance(value, int | float) and not isinstance(value, bool):
-        return float(value)
-    if isinstance(hint, type) and isinstance(value, hint) and not (hint is int and isinstance(value, bool)):
-        return value
-    raise PresetError(f"{where}: {value!r} is not {hint.__name__ if isinstance(hint, type) else hint}")
+def _path(kind: type, value: Any) -> Path:
+    if kind is not Path or not isinstance(value, str | Path):
+        raise ValueError("Expected a path")
+    return Path(value)
 
 
 def _read(method: str) -> dict[str, Any]:

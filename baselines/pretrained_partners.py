@@ -7,9 +7,7 @@ trained policy of each agent).
 """
 
 import dataclasses
-import sys
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Final
 
 from overcooked_bench.agents.policies.ensemble import SampledPartners
@@ -17,12 +15,12 @@ from overcooked_bench.agents.policies.neural import NeuralAgent
 from overcooked_bench.agents.policies.policy import Policy
 
 from .learning.algorithms import make_learner
-from .learning.command import main_of
 from .learning.learner import Learner
-from .learning.partners import load_partners, partner_names, returns_with
-from .learning.parts import begun, checkpoints, loaded, self_play_agents
-from .learning.run import Outcome, UnfitError, make_env, run
-from .learning.settings import PartnerSettings, check_draws
+from .learning.settings import PartnerSettings, SettingsError, check_draws
+from .running.partners import load_partners, partner_names, returns_with
+from .running.parts import checkpoints, loaded, self_play_agents
+from .running.place import CONFIG_FILE, Place
+from .running.run import Outcome, UnfitError, make_env, run
 from .self_play import Config as SelfPlay
 
 METHOD: Final = "pretrained-partners"
@@ -49,17 +47,22 @@ class Config(PartnerSettings):
         """Checks the partners too.
 
         Raises:
-            ValueError: Names the setting and what it may be.
+            SettingsError: Names the setting and what it may be.
         """
         PartnerSettings.__post_init__(self)
         check_draws(self.per_episode, self.num_kitchens)
         if not self.pool:
             if self.agents < 1:
-                raise ValueError(f"agents={self.agents}; train one agent or more, or give a pool")
+                raise SettingsError(f"agents={self.agents}; train one agent or more, or give a pool")
             try:
                 self_play_config(self, self.agent_steps)
             except ValueError as error:
-                raise ValueError(f"agent_steps={self.agent_steps}: as self-play, {error}") from None
+                raise SettingsError(f"agent_steps={self.agent_steps}: as self-play, {error}") from None
+
+    @property
+    def partner_references(self) -> tuple[str, ...]:
+        """The partners and pools that the settings name."""
+        return (self.pool,) if self.pool else ()
 
 
 def self_play_config(config: PartnerSettings, steps: int, snapshots: tuple[float, ...] = ()) -> SelfPlay:
@@ -69,7 +72,7 @@ def self_play_config(config: PartnerSettings, steps: int, snapshots: tuple[float
     return SelfPlay(**shared | {"steps": steps, "rollout": rollout, "snapshots": snapshots})
 
 
-def population(config: Config, output: Path, seed: int, every: int) -> tuple[list[Policy], tuple[Outcome, ...]] | None:
+def population(config: Config, place: Place) -> tuple[list[Policy], tuple[Outcome, ...]] | None:
     """Gives the partners and the runs they were trained in, now if need be; None where that was interrupted."""
     if config.pool:
         names = partner_names((config.pool,), config, only_final=not config.checkpoints)
@@ -80,19 +83,19 @@ def population(config: Config, output: Path, seed: int, every: int) -> tuple[lis
             policies += agent.policies
         return policies, ()
     own = self_play_config(config, config.agent_steps, MOMENTS if config.checkpoints else ())
-    outcomes = self_play_agents([own] * config.agents, output / "partners", seed, every)
+    outcomes = self_play_agents([own] * config.agents, replace(place, folder=place.folder / "partners"))
     if outcomes is None:
         return None
     files = [outcome.files for outcome in outcomes]
     if config.checkpoints:
-        files += [outcome.snapshots[0.0] for outcome in outcomes]
-        files += [outcome.snapshots[checkpoints(outcome, own).half()] for outcome in outcomes]
+        files += [outcome.snapshots[0.0].files for outcome in outcomes]
+        files += [outcome.snapshots[checkpoints(outcome, own).half()].files for outcome in outcomes]
     return loaded(files), tuple(outcomes)
 
 
-def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:
-    """Trains, freezes and evaluates one policy; see `run` for arguments, result and errors."""
-    found = population(config, output, seed, every)
+def train(config: Config, place: Place) -> Outcome | None:
+    """Trains, freezes and evaluates one policy; see `run` for the result and errors."""
+    found = population(config, place)
     if found is None:
         return None
     partners, parts = found
@@ -104,18 +107,9 @@ def train(config: Config, output: Path, seed: int, *, resume: bool = False, ever
             raise UnfitError(str(error)) from error
         return make_learner(config, make_env(config, partners=[sampled]), seed)
 
-    told = {"partner_hashes": sorted(partner.sha256 for partner in partners)}
-    outcome = run(config, METHOD, output, seed, make, resume=begun(output), every=every, told=told)
+    known = {"partner_hashes": sorted(partner.sha256 for partner in partners)}
+    outcome = run(config, METHOD, replace(place, resume=(place.folder / CONFIG_FILE).exists()), make, known=known)
     if outcome is None:
         return None
     with_partners = returns_with(outcome.files, partners, config, max(1, 100 // len(partners)))
     return replace(outcome, with_partners=with_partners, parts=parts)
-
-
-def main(arguments: list[str]) -> int:
-    """Runs `overcooked-bench train pretrained-partners ...`; gives the exit code: 0, 2 wrong use, 130 after Ctrl-C."""
-    return main_of(METHOD, Config, train, arguments)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))

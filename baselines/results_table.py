@@ -8,7 +8,7 @@ from typing import Any
 from overcooked_bench.estimate import Estimate
 from overcooked_bench.rendering.table import Column, Table
 
-from .learning.run import SUMMARY
+from .training import SUMMARY
 
 COLUMNS = "layout", "method", "configuration", "seed", "with itself", "with its partners", "joint steps", "wall-clock"
 

@@ -5,16 +5,14 @@ and an annealed entropy bonus after the thesis, 6.1 and Table 6.1. With `object_
 self-play that OvercookedV2 (Gessler et al. 2025) holds against zero-shot coordination failures.
 """
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 from .learning.algorithms import make_learner
-from .learning.command import main_of
 from .learning.learner import Learner
-from .learning.run import Outcome, make_env, run
 from .learning.settings import Settings
+from .running.place import Place
+from .running.run import Outcome, make_env, run
 
 METHOD: Final = "self-play"
 
@@ -24,19 +22,10 @@ class Config(Settings):
     """Trains one policy on both seats of a kitchen by PPO."""
 
 
-def train(config: Config, output: Path, seed: int, *, resume: bool = False, every: int = 250_000) -> Outcome | None:
-    """Trains, freezes and evaluates one policy; see `run` for arguments, result and errors."""
+def train(config: Config, place: Place) -> Outcome | None:
+    """Trains, freezes and evaluates one policy; see `run` for the result and errors."""
 
     def make(seed: int) -> Learner:
         return make_learner(config, make_env(config, self_play=True), seed)
 
-    return run(config, METHOD, output, seed, make, resume=resume, every=every)
-
-
-def main(arguments: list[str]) -> int:
-    """Runs `overcooked-bench train self-play ...`; gives the exit code: 0, 2 for wrong use, 130 after Ctrl-C."""
-    return main_of(METHOD, Config, train, arguments)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))
+    return run(config, METHOD, place, make)

@@ -16,7 +16,7 @@ from overcooked_bench import baselines
 from overcooked_bench.agents.catalogue import find
 from overcooked_bench.baselines.methods import METHODS
 from overcooked_bench.cli import main
-from tests.baselines.tiny import tiny_arguments
+from tests.baselines.tiny import self_play
 
 ROOT = Path(__file__).parents[1]
 
@@ -112,12 +112,21 @@ def test_a_protocol_is_one_file(with_file):
 
 
 METHOD = """
-from .learning.command import main_of
-from .self_play import Config, train
+from dataclasses import dataclass
+
+from .learning.algorithms import make_learner
+from .learning.settings import Settings
+from .running.run import make_env, run
 
 
-def main(arguments):
-    return main_of("mine", Config, train, arguments)
+@dataclass(frozen=True, kw_only=True)
+class Config(Settings):
+    twice: bool = False
+    \"\"\"Whether to do it twice.\"\"\"
+
+
+def train(config, place):
+    return run(config, "mine", place, lambda seed: make_learner(config, make_env(config, self_play=True), seed))
 """
 
 
@@ -125,7 +134,7 @@ def test_a_training_method_is_one_file_and_one_row(tmp_path, monkeypatch):
     (tmp_path / "mine.py").write_text(METHOD)
     monkeypatch.setattr(baselines, "__path__", [*baselines.__path__, str(tmp_path)])
     monkeypatch.setitem(METHODS, "mine", "a method of my own")
-    assert main(["train", "mine", *tiny_arguments("--output", str(tmp_path / "run"))]) == 0
+    assert main(["train", "mine", *self_play("--twice", "--output", str(tmp_path / "run"))[2:]]) == 0
     assert find(str(tmp_path / "run" / "policy.json")).layout == "cramped_room"
 
 

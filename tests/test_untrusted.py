@@ -10,10 +10,9 @@ from overcooked_bench.agents.catalogue import load_agent
 from overcooked_bench.agents.pools.manifest import write_manifest
 from overcooked_bench.agents.pools.pool import Pool, PoolError
 from overcooked_bench.agents.submissions.checks import AgentError
-from overcooked_bench.baselines.learning.checkpoint import CheckpointError
-from overcooked_bench.baselines.learning.run import read_json
-from overcooked_bench.baselines.pool_config import PoolConfigError, load_pool_config
+from overcooked_bench.baselines.building.config import PoolConfigError, load_pool_config
 from overcooked_bench.baselines.presets import PresetError, load_config
+from overcooked_bench.baselines.running.place import CheckpointError, read_record
 from overcooked_bench.evaluation.protocol import ProtocolError, load_protocol, read_protocol
 from overcooked_bench.scenarios.errors import ScenarioError
 from overcooked_bench.scenarios.items import load_items
@@ -119,7 +118,7 @@ def test_a_pool_consists_of_regular_files(pool, name, kind):
 READERS = {
     "manifest": (lambda folder: Pool.load(folder), "manifest.json", PoolError),
     "report": (lambda folder: read_report(folder / "report.json"), "report.json", ScenarioError),
-    "training": (lambda folder: read_json(folder / "config.json", dict), "config.json", CheckpointError),
+    "training": (lambda folder: read_record(folder / "config.json", dict), "config.json", CheckpointError),
     "known": (lambda folder: read_known(folder / "known.txt"), "known.txt", ScenarioError),
     "scenario": (lambda folder: load_scenario(folder / "a.scenario.yaml"), "a.scenario.yaml", ScenarioError),
     "protocol": (lambda folder: load_protocol(folder / "p.yaml"), "p.yaml", ProtocolError),
@@ -150,7 +149,7 @@ def test_json_that_is_nested_deep_is_no_recursion_error(tmp_path):
     with pytest.raises(ScenarioError, match=r"f\.json"):
         read_report(file)
     with pytest.raises(CheckpointError, match=r"f\.json"):
-        read_json(file, dict)
+        read_record(file, dict)
 
 
 def test_a_neighbour_of_half_a_pair_may_be_anything(tmp_path):
@@ -196,5 +195,5 @@ def test_configurations_of_a_method_are_checked(text, message, tmp_path, monkeyp
 def test_damaged_files_of_a_run_are_one_error(content, tmp_path):
     (tmp_path / "restarts.json").write_text(content)
     with pytest.raises(CheckpointError, match=r"restarts\.json.*choose another --output"):
-        read_json(tmp_path / "restarts.json", list[dict[str, int | float]])
-    assert read_json(tmp_path / "gone.json", dict) is None
+        read_record(tmp_path / "restarts.json", list[dict[str, int | float]])
+    assert read_record(tmp_path / "gone.json", dict) is None

@@ -1,1 +1,1 @@
-"""What the training methods share: settings, networks, the learner, checkpoints, runs."""
+"""What is learned and how: settings, networks, the learner, frozen policies."""

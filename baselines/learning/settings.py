@@ -1,9 +1,10 @@
 """What every PPO run can be told, with the values of the `fast` configuration as defaults."""
 
-from dataclasses import dataclass
-from math import inf
+from dataclasses import dataclass, fields
+from math import inf, isfinite
 from typing import Final, Literal
 
+from overcooked_bench.errors import WrongUse
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.observations.registry import find_observation
 
@@ -17,6 +18,10 @@ _RANGES: Final = (
     (_FROM_0, 0, 1e12, "a number from 0"),
 )
 """Settings, the least and the most that they may be, and the same in words."""
+
+
+class SettingsError(WrongUse):
+    """A setting is out of range; the message names it and says what it may be."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,28 +99,33 @@ class Settings:
         """Refuses what PPO cannot be run with.
 
         Raises:
-            ValueError: Names the setting and what it may be.
+            SettingsError: Names the setting and what it may be.
         """
         for names, least, most, wanted in _RANGES:
             for name in names:
                 if not least <= getattr(self, name) <= most:
-                    raise ValueError(f"{name}={getattr(self, name)}; give {wanted}")
+                    raise SettingsError(f"{name}={getattr(self, name)}; give {wanted}")
+        for field in fields(self):
+            value = getattr(self, field.name)
+            for number in value if isinstance(value, tuple) else (value,):
+                if isinstance(number, float) and not isfinite(number):
+                    raise SettingsError(f"{field.name}={value}; give finite numbers")
         update = self.num_kitchens * self.rollout
         if self.steps < 2 * update:
-            raise ValueError(f"steps={self.steps}; give at least two updates, {2 * update} joint steps")
+            raise SettingsError(f"steps={self.steps}; give at least two updates, {2 * update} joint steps")
         rows = self.learning_seats * update
         if rows % self.minibatches or rows == self.minibatches:
-            raise ValueError(
+            raise SettingsError(
                 f"minibatches={self.minibatches}; give a divisor of the {rows} steps of {self.learners} in an update"
             )
         seen = find_observation(self.observation)
         known = isinstance(self.layout, str) and self.layout  # a form that is still to be filled in has no layout
         if self.network == "cnn" and known and len(seen.shape(Layout.load(self.layout))) < 3:
-            raise ValueError(f"observation={self.observation!r} is no grid; give network='mlp', or a grid")
+            raise SettingsError(f"observation={self.observation!r} is no grid; give network='mlp', or a grid")
         if not self.hidden or min(self.hidden) < 1:
-            raise ValueError(f"hidden={self.hidden}; give the width of each layer, from 1")
+            raise SettingsError(f"hidden={self.hidden}; give the width of each layer, from 1")
         if any(not 0 <= share < 1 for share in self.snapshots):
-            raise ValueError(f"snapshots={self.snapshots}; give shares of the steps, from 0 and below 1")
+            raise SettingsError(f"snapshots={self.snapshots}; give shares of the steps, from 0 and below 1")
 
     @property
     def learning_seats(self) -> int:
@@ -123,14 +133,9 @@ class Settings:
         return 2
 
     @property
-    def trained_steps(self) -> int:
-        """Joint steps of the run whose policy comes out, and which snapshots are shares of."""
-        return self.steps
-
-    @property
-    def update_steps(self) -> int:
-        """Joint steps from one update to the next; snapshots are taken in between."""
-        return self.num_kitchens * self.rollout
+    def partner_references(self) -> tuple[str, ...]:
+        """The partners and pools that the settings name."""
+        return ()
 
     @property
     def learners(self) -> str:
@@ -165,10 +170,10 @@ def check_draws(per_episode: int, num_kitchens: int, least: int = 1) -> None:
     """Refuses to draw more partners for an episode than there are kitchens to play in.
 
     Raises:
-        ValueError: Says how many can be drawn.
+        SettingsError: Says how many can be drawn.
     """
     if not least <= per_episode <= num_kitchens:
-        raise ValueError(
+        raise SettingsError(
             f"per_episode={per_episode}; give a number from {least}, and at most one partner for each of the "
             f"{num_kitchens} kitchens"
         )

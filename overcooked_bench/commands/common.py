@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any, Final, NoReturn
 
 from overcooked_bench.errors import WrongUse
+from overcooked_bench.shelf import guess
 
 
 class Parser(argparse.ArgumentParser):
@@ -17,9 +18,19 @@ class Parser(argparse.ArgumentParser):
         look = {"formatter_class": argparse.RawDescriptionHelpFormatter, "allow_abbrev": False}
         super().__init__(*arguments, **{**look, **keywords})
 
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parses, and refuses what is not known with a guess at what was meant."""
+        found, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            known = [flag for action in self._actions for flag in action.option_strings if flag.startswith("--")]
+            near = guess(unknown[0].partition("=")[0], known) if unknown[0].startswith("--") else ""
+            self.error(f"unknown argument {unknown[0]!r}; {near}".rstrip("; "))
+        return found, unknown
+
     def error(self, message: str) -> NoReturn:
         """Raises a WrongUse."""
-        raise WrongUse(f"{message}; {self.prog} --help shows what can be written")
+        joined = message if message.endswith("?") else f"{message};"
+        raise WrongUse(f"{joined} {self.prog} --help shows what can be written")
 
 
 def add_command(

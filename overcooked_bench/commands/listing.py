@@ -122,8 +122,8 @@ def _methods() -> Iterator[Line]:
 
 
 def _configurations() -> Iterator[Line]:
+    from overcooked_bench.baselines.building.config import pool_config_names
     from overcooked_bench.baselines.methods import METHODS
-    from overcooked_bench.baselines.pool_config import pool_config_names
     from overcooked_bench.baselines.presets import config_names
 
     for method in METHODS:

@@ -45,7 +45,7 @@ def _add_build(commands: Any) -> None:
 
 
 def _build(options: argparse.Namespace) -> int:
-    from overcooked_bench.baselines.pool_queue import main
+    from overcooked_bench.baselines.building.queue import main
     from overcooked_bench.evaluation.games.engines import default_workers
 
     code: int = main(

@@ -13,8 +13,8 @@ from overcooked_bench.agents.kinds import KINDS
 from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.agents.scripted import SCRIPTED, Scripted
 from overcooked_bench.agents.submissions.checks import AgentError
-from overcooked_bench.baselines.learning.partners import load_partners, partner_names
 from overcooked_bench.baselines.learning.settings import Settings
+from overcooked_bench.baselines.running.partners import load_partners, partner_names
 from overcooked_bench.evaluation.protocol import read_protocol
 from tests.agents.made import write_policy
 from tests.evaluation.made import protocol_text, score

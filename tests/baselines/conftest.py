@@ -1,6 +1,7 @@
 import pytest
 import torch
 
+from overcooked_bench.baselines.running.place import Place
 from overcooked_bench.baselines.self_play import train
 from tests.baselines.tiny import SEED, tiny
 
@@ -15,4 +16,4 @@ def one_thread():
 def whole_run(tmp_path_factory):
     """The folder of a run that was never interrupted, with what `train` gave."""
     folder = tmp_path_factory.mktemp("whole")
-    return folder, train(tiny(), folder, SEED)
+    return folder, train(tiny(), Place(folder, SEED))

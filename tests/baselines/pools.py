@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from overcooked_bench.baselines.pool_config import PoolConfig, load_pool_config
+from overcooked_bench.baselines.building.config import PoolConfig, load_pool_config
 from tests.baselines.tiny import SETTINGS
 
 OVERRIDES = {key: value for key, value in SETTINGS.items() if key != "layout"}

@@ -4,23 +4,24 @@ import json
 import signal
 import subprocess
 import sys
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from overcooked_bench.agents.policies.policy import load_policy
 from overcooked_bench.agents.pools.pool import find_pool
-from overcooked_bench.baselines import biased_self_play, pbt, population, pretrained_partners
-from overcooked_bench.baselines.learning.checkpoint import CheckpointError
-from overcooked_bench.baselines.learning.partners import partner_names
-from overcooked_bench.baselines.learning.run import write_json
-from overcooked_bench.baselines.learning.seeds import USER, derive_seed
+from overcooked_bench.baselines import biased_self_play, pbt, population, pretrained_partners, training
 from overcooked_bench.baselines.methods import METHODS, find_method
 from overcooked_bench.baselines.presets import config_class
+from overcooked_bench.baselines.running.partners import partner_names, scoring_pools
+from overcooked_bench.baselines.running.place import CheckpointError, Place, write_record
+from overcooked_bench.baselines.running.seeds import USER, derive_seed
 from overcooked_bench.cli import main as command
+from overcooked_bench.commands.settings_options import described
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
-from tests.baselines.learning.test_checkpoint import press_ctrl_c
+from tests.baselines.running.test_checkpoint import press_ctrl_c
 from tests.baselines.tiny import SETTINGS, UPDATE, learned, same
 
 OWN = {
@@ -51,7 +52,7 @@ def settings(method, others=None):
 def run(method, others, folder, resume=False):
     module = find_method(method)
     seed = derive_seed(USER, "cramped_room", method, 0)
-    return module.train(settings(method, others), folder, seed, resume=resume, every=UPDATE)
+    return module.train(settings(method, others), Place(folder, seed, resume, UPDATE))
 
 
 @pytest.fixture(scope="module")
@@ -91,6 +92,7 @@ def test_a_run_interrupted_again_and_again_gives_the_same_weights(method, others
 KILLED = """
 import json, os, signal, sys
 from overcooked_bench.cli import main
+from overcooked_bench.commands.settings_options import described
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 
 play, left = OvercookedVecEnv.step_wait, 50
@@ -182,13 +184,30 @@ def test_a_best_response_does_not_go_on_against_partners_that_were_changed(tmp_p
         run("best-response", others, tmp_path / "run", resume=True)
 
 
-def test_training_against_a_pool_that_scores_is_not_done_unwarned(capsys):
+def test_a_pool_that_scores_is_known_by_every_way_to_name_it():
     for name in ("dev-v0", "dev-v0/cramped_room/sp-0", str(find_pool("dev-v0"))):
-        partner_names(["greedy", name], settings("best-response"))
-        assert "protocol dev scores with the pool dev-v0" in capsys.readouterr().err
-    names = partner_names(["greedy", "train-v1"], settings("best-response"))
-    assert len(names) == 1 + 48, "scripted partners of a pool are not trained with"
-    assert not capsys.readouterr().err
+        assert scoring_pools(["greedy", name]) == [("dev", "dev-v0")]
+    assert scoring_pools(["greedy", "train-v1"]) == []
+
+
+def test_scripted_partners_of_a_pool_are_not_trained_with():
+    assert len(partner_names(["greedy", "train-v1"], settings("best-response"))) == 1 + 48
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["best-response", "--partners", "greedy", "dev-v0"],
+        ["pretrained-partners", "--pool", "dev-v0"],
+        ["population", "--development", "dev-v0"],
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_training_against_a_pool_that_scores_is_not_done_unwarned(arguments, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(training, "find_method", lambda _: SimpleNamespace(train=lambda *_: None))
+    method, *rest = arguments
+    assert command(["train", method, "--layout", "cramped_room", *rest, "--output", str(tmp_path / "run")]) == 130
+    assert "protocol dev scores with the pool dev-v0" in capsys.readouterr().err
 
 
 def test_defaults_that_depend_on_the_layout_hold_at_the_command_line(tmp_path, capsys):
@@ -202,9 +221,11 @@ def test_defaults_that_depend_on_the_layout_hold_at_the_command_line(tmp_path, c
 
 def test_every_method_says_what_it_can_be_told(capsys):
     for method in METHODS:
-        with pytest.raises(SystemExit, match="0"):
-            command(["train", method, "--help"])
-        assert f"overcooked-bench train {method}" in capsys.readouterr().out
+        assert command(["train", method, "--help"]) == 0
+        shown = capsys.readouterr().out
+        assert f"overcooked-bench train {method}" in shown
+        assert all(f"--{field.name.replace('_', '-')}" in shown for field in fields(config_class(method)))
+        assert set(described(config_class(method))) == {field.name for field in fields(config_class(method))}
     assert command(["train", "self-pley"]) == 2
     told = capsys.readouterr().err
     assert all(method in told for method in METHODS)
@@ -289,28 +310,27 @@ def test_a_population_is_trained_again_where_it_was_killed_before_the_first_roun
 
 
 def test_the_initial_agents_of_a_kitchen_without_a_name_lie_in_a_folder_with_one(tmp_path, monkeypatch):
-    def trained(configs, folder, seed, every):
-        assert folder.parent == tmp_path
-        assert folder.name == "initial-custom-7"
+    def trained(configs, place):
+        assert place == Place(tmp_path / "initial-custom-7", 7)
 
     monkeypatch.setattr(population, "self_play_agents", trained)
     config = replace(settings("population"), layout=TOMATOES.replace("T", "O"), development="greedy")
-    assert population.train(config, tmp_path / "run", 7) is None
+    assert population.train(config, Place(tmp_path / "run", 7)) is None
 
 
 def test_initial_agents_of_other_settings_are_told_by_the_name_of_their_option(tmp_path):
     config = settings("population")
     initial = tmp_path / "initial-cramped_room-7" / "sp-0"
     initial.mkdir(parents=True)
-    write_json(initial / "config.json", {})
+    write_record(initial / "config.json", {})
     with pytest.raises(CheckpointError, match="--initial"):
-        population.train(config, tmp_path / "run", 7)
+        population.train(config, Place(tmp_path / "run", 7))
 
 
 def test_without_checkpoints_a_pool_gives_its_final_agents_alone(tmp_path):
     config = settings("pretrained-partners", {"pool": "train-v1", "agents": 1})
     with_them, without = (
-        pretrained_partners.population(replace(config, checkpoints=on), tmp_path, 0, UPDATE)[0] for on in (True, False)
+        pretrained_partners.population(replace(config, checkpoints=on), Place(tmp_path, 0))[0] for on in (True, False)
     )
     assert not any(policy.name.endswith(("-half", "-early")) for policy in without)
     assert 3 * len(without) == len(with_them)

@@ -67,10 +67,10 @@ def test_configurations_are_joined_and_later_ones_win():
     ("settings", "told"),
     [
         ({"layout": "cramped_room", "epoch": 3}, "unknown setting 'epoch'; did you mean 'epochs'"),
-        ({"layout": "cramped_room", "epochs": 2.5}, "epochs: 2.5 is not int"),
-        ({"layout": "cramped_room", "epochs": True}, "epochs: True is not int"),
-        ({"layout": "cramped_room", "network": "transformer"}, "network: 'transformer' is not"),
-        ({"layout": "cramped_room", "hidden": [64, "a"]}, "hidden: 'a' is not int"),
+        ({"layout": "cramped_room", "epochs": 2.5}, "epochs: 2.5 does not fit"),
+        ({"layout": "cramped_room", "epochs": True}, "epochs: True does not fit"),
+        ({"layout": "cramped_room", "network": "transformer"}, "network: 'transformer' does not fit"),
+        ({"layout": "cramped_room", "hidden": [64, "a"]}, "hidden: .* does not fit .*Expected `int`"),
         ({}, "the setting 'layout' is missing"),
     ],
 )

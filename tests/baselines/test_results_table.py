@@ -1,10 +1,10 @@
 from overcooked_bench.baselines.results_table import main
 from overcooked_bench.cli import main as command
-from tests.baselines.tiny import STEPS, tiny_arguments
+from tests.baselines.tiny import STEPS, self_play
 
 
 def test_finished_runs_stand_in_one_table(tmp_path, capsys):
-    assert command(["train", "self-play", *tiny_arguments("--output", str(tmp_path / "run"))]) == 0
+    assert command(self_play("--output", str(tmp_path / "run"))) == 0
     capsys.readouterr()
     assert main([str(tmp_path / "run")]) == 0
     *_, line = capsys.readouterr().out.splitlines()

@@ -2,9 +2,11 @@
 
 from dataclasses import replace
 from functools import partial
+from typing import get_type_hints
 
 import pytest
 
+from overcooked_bench.baselines.learning.settings import SettingsError
 from overcooked_bench.baselines.methods import METHODS
 from overcooked_bench.baselines.pbt import Leg, scheduled
 from overcooked_bench.baselines.presets import config_class
@@ -93,3 +95,13 @@ def test_what_a_copy_mutates_stays_mutated_to_the_end_of_its_schedule():
     assert scheduled({"learning_rate": still.learning_rate, "entropy_start": 0.0}, still) == pytest.approx(
         {"learning_rate": still.learning_rate, "entropy_start": 0.0, "learning_rate_end": 1e-4}
     )
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+@pytest.mark.parametrize("method", METHODS)
+def test_no_setting_is_infinite_or_no_number(method, value):
+    kind = config_class(method)
+    for name, hint in get_type_hints(kind).items():
+        if hint in (float, tuple[float, ...]):
+            with pytest.raises(SettingsError, match=name):
+                kind(**SETTINGS | {name: value if hint is float else (value,)})

@@ -6,8 +6,8 @@ import torch
 
 from overcooked_bench.baselines.learning.algorithms import make_learner
 from overcooked_bench.baselines.learning.learner import Learner
-from overcooked_bench.baselines.learning.run import make_env
-from overcooked_bench.baselines.learning.seeds import USER, derive_seed
+from overcooked_bench.baselines.running.run import make_env
+from overcooked_bench.baselines.running.seeds import USER, derive_seed
 from overcooked_bench.baselines.self_play import METHOD, Config
 
 UPDATE = 64
@@ -37,14 +37,14 @@ def tiny_learner(config: Config, seed: int) -> Learner:
     return make_learner(config, make_env(config, self_play=True), seed)
 
 
-def tiny_arguments(*others: str) -> list[str]:
-    """The same on the command line."""
+def self_play(*others: str) -> list[str]:
+    """The command that trains so."""
     flags = [
         text
         for name, value in SETTINGS.items()
         for text in (f"--{name.replace('_', '-')}", *(map(str, value) if isinstance(value, tuple) else [str(value)]))
     ]
-    return [*flags, *others]
+    return ["train", "self-play", *flags, *others]
 
 
 def learned(path: Any) -> dict[str, torch.Tensor]:

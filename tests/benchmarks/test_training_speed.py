@@ -13,10 +13,10 @@ import torch
 
 from overcooked_bench.baselines.learning.algorithms import make_learner
 from overcooked_bench.baselines.learning.learner import Learner
-from overcooked_bench.baselines.learning.monitor import Monitor
-from overcooked_bench.baselines.learning.run import make_env
 from overcooked_bench.baselines.learning.settings import Settings
 from overcooked_bench.baselines.presets import load_config
+from overcooked_bench.baselines.running.monitor import Monitor
+from overcooked_bench.baselines.running.run import make_env
 
 pytestmark = pytest.mark.benchmark
 

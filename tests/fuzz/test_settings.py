@@ -9,7 +9,7 @@ from overcooked_bench.agents.agent import UnknownLayout
 from overcooked_bench.agents.behaviours.behaviour import ScriptAgent
 from overcooked_bench.agents.behaviours.parsing import behaviour_from_text, parse_behaviour
 from overcooked_bench.baselines import presets
-from overcooked_bench.baselines.pool_config import PoolConfigError, load_pool_config, pool_config_names
+from overcooked_bench.baselines.building.config import PoolConfigError, load_pool_config, pool_config_names
 from overcooked_bench.baselines.presets import PresetError, config_names, load_config
 from overcooked_bench.evaluation.protocol import ProtocolError, load_protocol
 from overcooked_bench.kitchen.kitchens import Kitchens

@@ -7,9 +7,9 @@ import msgspec
 import pytest
 
 from overcooked_bench.agents.pools.pool import PoolError
-from overcooked_bench.baselines.learning.checkpoint import CheckpointError
-from overcooked_bench.baselines.learning.run import CONFIG_FILE, RESTARTS, RESULT, UnfitError, claim, run
-from overcooked_bench.baselines.pool_build import AGENTS_FILE, PoolBuildError, publish
+from overcooked_bench.baselines.building.build import AGENTS_FILE, PoolBuildError, publish
+from overcooked_bench.baselines.running.place import CONFIG_FILE, CheckpointError, Place
+from overcooked_bench.baselines.running.run import RESTARTS, RESULT, UnfitError, claim, run
 from overcooked_bench.baselines.self_play import Config
 from tests.agents.made import record, write_policy
 from tests.baselines.pools import group, pool_config
@@ -31,7 +31,8 @@ def make(_: int) -> None:
 @TRIES
 @pytest.mark.parametrize("name", [CONFIG_FILE, RESTARTS, RESULT])
 def test_a_run_that_is_resumed(name, tries, tmp_path):
-    claim(tmp_path, CONFIG, "self-play", 3, resume=False)
+    claim(Place(tmp_path, 3), CONFIG, "self-play")
+    write_policy(tmp_path / "policy", layout="cramped_room")
     seeds = {
         CONFIG_FILE: json.loads((tmp_path / CONFIG_FILE).read_text()),
         RESTARTS: [{"seed": 2**63 - 1, "joint_steps": 100, "soups": 0.5, "seconds": 1.5}] * 2,
@@ -41,7 +42,7 @@ def test_a_run_that_is_resumed(name, tries, tmp_path):
     def read(content: bytes) -> None:
         (tmp_path / name).write_bytes(content)
         try:
-            run(CONFIG, "self-play", tmp_path, 3, make, resume=True)
+            run(CONFIG, "self-play", Place(tmp_path, 3, resume=True), make)
         except Reached:
             return
 

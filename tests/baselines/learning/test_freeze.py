@@ -6,7 +6,7 @@ from overcooked_bench.agents.policies.policy import load_policy
 from overcooked_bench.baselines.best_response import Config
 from overcooked_bench.baselines.learning.algorithms import make_dqn
 from overcooked_bench.baselines.learning.freeze import freeze
-from overcooked_bench.baselines.learning.run import make_env
+from overcooked_bench.baselines.running.run import make_env
 from tests.baselines.tiny import SEED, SETTINGS
 
 

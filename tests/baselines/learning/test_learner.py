@@ -2,10 +2,12 @@ import pytest
 import torch
 
 from overcooked_bench.agents.policies.policy import load_policy
-from overcooked_bench.baselines.learning.checkpoint import load_checkpoint, save_checkpoint
-from overcooked_bench.baselines.learning.run import UnfitError
-from overcooked_bench.baselines.self_play import main, train
-from tests.baselines.tiny import SEED, UPDATE, tiny, tiny_arguments, tiny_learner
+from overcooked_bench.baselines.running.checkpoint import load_checkpoint, save_checkpoint
+from overcooked_bench.baselines.running.place import Place
+from overcooked_bench.baselines.running.run import UnfitError
+from overcooked_bench.baselines.self_play import train
+from overcooked_bench.cli import main as command
+from tests.baselines.tiny import SEED, UPDATE, self_play, tiny, tiny_learner
 
 on_a_gpu = pytest.mark.skipif(not torch.cuda.is_available(), reason="torch finds no GPU")
 ROLLOUT = UPDATE // 4
@@ -51,14 +53,14 @@ def test_a_run_on_a_gpu_is_saved_resumed_and_frozen(tmp_path):
         assert theirs.device.type == "cuda"
         assert theirs.equal(ours)
     again.learn(UPDATE, reset_num_timesteps=False)
-    outcome = train(tiny(device="cuda"), tmp_path / "run", SEED)
+    outcome = train(tiny(device="cuda"), Place(tmp_path / "run", SEED))
     assert load_policy(outcome.files.weights).weights
 
 
 def test_a_gpu_that_is_not_there_is_not_replaced_in_silence(monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
     with pytest.raises(UnfitError, match="torch finds no GPU here; give --device cpu"):
-        train(tiny(device="cuda"), tmp_path, SEED)
-    assert main(tiny_arguments("--device", "cuda", "--output", str(tmp_path / "run"))) == 2
+        train(tiny(device="cuda"), Place(tmp_path, SEED))
+    assert command(self_play("--device", "cuda", "--output", str(tmp_path / "run"))) == 2
     assert "torch finds no GPU here" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())

@@ -13,9 +13,9 @@ from stable_baselines3.common.callbacks import BaseCallback
 
 from overcooked_bench.baselines.learning.algorithms import make_learner
 from overcooked_bench.baselines.learning.learner import Learner
-from overcooked_bench.baselines.learning.run import make_env, run
-from overcooked_bench.baselines.learning.seeds import USER, derive_seed
 from overcooked_bench.baselines.presets import load_config
+from overcooked_bench.baselines.running.run import make_env, run
+from overcooked_bench.baselines.running.seeds import USER, derive_seed
 from overcooked_bench.baselines.self_play import METHOD
 
 ASKED = json.loads(sys.argv[1])

@@ -14,13 +14,13 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 
-from overcooked_bench.agents.policies.policy import policy_files
+from overcooked_bench.agents.policies.policy import PolicyFiles, policy_files
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 from overcooked_bench.kitchen.layout import Layout
 
+from ..learning.freeze import freeze
+from ..learning.settings import Settings
 from .checkpoint import save_checkpoint
-from .freeze import freeze
-from .settings import Settings
 
 _RECENT = 100
 _SECONDS_BETWEEN_LINES = 30
@@ -58,8 +58,9 @@ class Monitor(BaseCallback):
     ) -> None:
         super().__init__()
         self._config, self._checkpoint, self._every, self._settings = config, checkpoint, every, settings
-        known = {"returns": [], "unchecked": True, "seconds": 0.0, **(memory or {})}
+        known = {"returns": [], "unchecked": True, "seconds": 0.0, "snapshots": {}, **(memory or {})}
         self._snapshots = snapshots
+        self.saved = {float(share): int(steps) for share, steps in known["snapshots"].items()}
         self._unchecked = settings.check_share > 0 and not last_attempt and known["unchecked"]
         self._began, self._before = time.monotonic(), float(known["seconds"])
         self._steps = settings.steps
@@ -80,7 +81,7 @@ class Monitor(BaseCallback):
             disable=not self._console.is_terminal,
         )
         self.asked = self.stopped = False
-        self.diverged: dict[str, float] | None = None
+        self.diverged: tuple[int, float] | None = None
 
     def joint_steps(self, model: BaseAlgorithm) -> int:
         """Joint steps that a learner has done; SB3 counts those of every row."""
@@ -88,7 +89,12 @@ class Monitor(BaseCallback):
 
     def memory(self) -> dict[str, Any]:
         """Gives what the divergence check depends on, and the time, for a checkpoint."""
-        return {"returns": list(self._returns), "unchecked": self._unchecked, "seconds": self.seconds}
+        return {
+            "returns": list(self._returns),
+            "unchecked": self._unchecked,
+            "seconds": self.seconds,
+            "snapshots": {str(share): steps for share, steps in self.saved.items()},
+        }
 
     @property
     def seconds(self) -> float:
@@ -153,15 +159,23 @@ class Monitor(BaseCallback):
         self._unchecked = False
         soups = float(np.mean(self._returns)) / self._soup_points
         if soups < self._settings.check_soups:
-            self.diverged = {"joint_steps": done, "soups": soups}
+            self.diverged = done, soups
             self._console.print(f"{soups:.1f} soups an episode after {done:,} steps; begins anew with another seed")
 
     def snap(self, done: int) -> None:
-        """Saves the policy where a share of the steps has passed; a run that goes on finds the same policy there."""
+        """Saves the policy where a share of the steps has passed.
+
+        Args:
+            done: Joint steps; the whole run's to save what no rollout began after.
+        """
         for share in self._settings.snapshots:
-            stem = self._snapshots / snapshot_name(share)
-            if done >= share * self._steps and not policy_files(stem).architecture.exists():
-                freeze(stem, self.model, self._settings)
+            if done >= share * self._steps and share not in self.saved:
+                freeze(self._snapshots / snapshot_name(share), self.model, self._settings)
+                self.saved[share] = self._done
+
+    def files(self, share: float) -> PolicyFiles:
+        """Returns the files of a snapshot."""
+        return policy_files(self._snapshots / snapshot_name(share))
 
     @property
     def _env(self) -> OvercookedVecEnv:

@@ -21,9 +21,9 @@ from typing import Any, Final
 from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.processes import follow_parent, hold_stops, listen, start_process
 
-from .learning.locks import locked
-from .pool_build import PoolBuildError, missing, publish, train_run
-from .pool_config import PoolConfig, PoolConfigError, Run, load_pool_config
+from ..running.locks import locked
+from .build import PoolBuildError, missing, publish, train_run
+from .config import PoolConfig, PoolConfigError, Run, load_pool_config
 
 LOG: Final = "log.txt"
 _DONE, _FAILED, _STOPPED, _TAKEN = 0, 1, 130, 75

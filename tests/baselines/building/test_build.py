@@ -1,5 +1,6 @@
 import json
 import multiprocessing
+import shutil
 import signal
 import subprocess
 import sys
@@ -10,17 +11,18 @@ import pytest
 
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.pools.records import ScriptedReference
-from overcooked_bench.baselines import pool_build, pool_queue
-from overcooked_bench.baselines.learning import monitor
-from overcooked_bench.baselines.learning.parts import checkpoints
-from overcooked_bench.baselines.pool_build import PoolBuildError, missing, publish, train_run
-from overcooked_bench.baselines.pool_config import PoolConfigError
-from overcooked_bench.baselines.pool_queue import main
+from overcooked_bench.baselines.building import build, queue
+from overcooked_bench.baselines.building.build import PoolBuildError, missing, publish, train_run
+from overcooked_bench.baselines.building.config import PoolConfigError
+from overcooked_bench.baselines.building.queue import main
+from overcooked_bench.baselines.running import monitor
+from overcooked_bench.baselines.running.parts import checkpoints
+from overcooked_bench.baselines.running.run import Snapshot
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 from overcooked_bench.evaluation.pools import half
 from overcooked_bench.processes import start_process
-from tests.baselines.learning.test_checkpoint import press_ctrl_c
 from tests.baselines.pools import OVERRIDES, THREE_AGENTS, group, pool_config, write_config
+from tests.baselines.running.test_checkpoint import press_ctrl_c
 from tests.baselines.tiny import UPDATE, tiny
 
 LAYOUT = "cramped_room"
@@ -86,7 +88,7 @@ def test_a_stopped_run_goes_on_to_the_same_agents(built, tmp_path, monkeypatch):
 
 
 def test_a_finished_run_is_not_trained_again(built, monkeypatch):
-    monkeypatch.setattr(pool_build, "find_method", lambda _: pytest.fail("trained again"))
+    monkeypatch.setattr(build, "find_method", lambda _: pytest.fail("trained again"))
     run = pool_config(built).runs()[0]
     before = (built / "pool" / "manifest.json").read_bytes()
     assert train_run(run, built / "runs" / run.path)
@@ -101,13 +103,13 @@ def test_half_is_what_reaches_half_of_the_end(built, monkeypatch):
     found = lambda file, horizon: types.SimpleNamespace(self_play=types.SimpleNamespace(mean=reached[file]))  # noqa: E731
     monkeypatch.setattr(half, "measure", found)
     files = {name: types.SimpleNamespace(weights=name) for name in reached}
-    snapshots = {float(name[3:]): file for name, file in files.items() if name != "final"}
+    snapshots = {float(name[3:]): Snapshot(file, 0) for name, file in files.items() if name != "final"}
     outcome = types.SimpleNamespace(files=files["final"], steps=5 * UPDATE, snapshots=snapshots)
 
     def kept(keep):
         shares = [0.2, 0.4, 0.6, 0.8]
         (run,) = pool_config(built, group(keep=keep, snapshots=shares)).runs()
-        return {kind: file.weights for kind, (file, _, _) in pool_build._keep(run, outcome).items()}
+        return {kind: file.weights for kind, (file, _, _) in build._keep(run, outcome).items()}
 
     assert kept(["final", "half", "early"]) == {"final": "final", "half": "at-0.4", "early": "at-0.2"}
     assert kept(["half"]) == {"half": "at-0.4"}
@@ -163,8 +165,8 @@ def test_the_command_publishes_what_is_there(built, tmp_path, capsys, monkeypatc
         sentinel, exitcode, pid = 0, 0, 1
         join = kill = lambda self: None
 
-    monkeypatch.setattr(pool_queue, "start_process", lambda *_, name: Ended())
-    monkeypatch.setattr(pool_queue, "wait", lambda sentinels, timeout: sentinels)
+    monkeypatch.setattr(queue, "start_process", lambda *_, name: Ended())
+    monkeypatch.setattr(queue, "wait", lambda sentinels, timeout: sentinels)
     where = {"runs": str(built / "runs"), "output": str(tmp_path / "pool")}
     config = str(write_config(tmp_path))
     assert main(config, **where, limit=1) == 0
@@ -220,11 +222,11 @@ def test_the_steps_of_a_snapshot_are_those_it_had(algorithm, tmp_path, monkeypat
 
 def test_a_run_that_cannot_be_published_does_not_end_the_others(built, tmp_path, monkeypatch, capsys):
     ended = types.SimpleNamespace(sentinel=0, exitcode=0, join=lambda: None)
-    monkeypatch.setattr(pool_queue, "start_process", lambda *_, name: ended)
-    monkeypatch.setattr(pool_queue, "wait", lambda sentinels, timeout: sentinels)
+    monkeypatch.setattr(queue, "start_process", lambda *_, name: ended)
+    monkeypatch.setattr(queue, "wait", lambda sentinels, timeout: sentinels)
     overrides = {**OVERRIDES, "gamma": 0.5}
     runs = pool_config(tmp_path, group(**{**THREE_AGENTS, "overrides": overrides}), group("other", first=1)).runs()
-    result = pool_queue.build(runs, built / "runs", tmp_path / "pool", 1)
+    result = queue.build(runs, built / "runs", tmp_path / "pool", 1)
     assert (result.failed, result.finished) == ([runs[0].path], [runs[1].path])
     assert "gamma was 0.99, is 0.5" in capsys.readouterr().out
 
@@ -253,8 +255,8 @@ def test_a_population_enters_with_the_steps_of_its_agent(tmp_path):
 @pytest.mark.slow
 def test_ctrl_c_while_a_run_still_loads_stops_it(tmp_path):
     (run,) = pool_config(tmp_path, group(overrides={**OVERRIDES, "steps": 10_000 * UPDATE})).runs()
-    process = start_process(pool_queue._work, run, tmp_path / "run", 10**9, name="run")
-    pool_queue._stop([process], at_once=False)
+    process = start_process(queue._work, run, tmp_path / "run", 10**9, name="run")
+    queue._stop([process], at_once=False)
     process.join(120)
     assert process.exitcode == 130
 
@@ -265,10 +267,10 @@ def test_ctrl_c_while_the_queue_starts_a_run_reaches_the_run(tmp_path, monkeypat
         signal.raise_signal(signal.SIGINT)
         return start_process(*arguments, name=name)
 
-    monkeypatch.setattr(pool_queue, "start_process", start)
+    monkeypatch.setattr(queue, "start_process", start)
     runs = pool_config(tmp_path, group(count=2, overrides={**OVERRIDES, "steps": 10_000 * UPDATE})).runs()
-    result = pool_queue.build(runs, tmp_path / "runs", tmp_path / "pool", 1)
-    assert result == pool_queue.Result(stopped=True)
+    result = queue.build(runs, tmp_path / "runs", tmp_path / "pool", 1)
+    assert result == queue.Result(stopped=True)
     assert multiprocessing.active_children() == []
 
 
@@ -299,3 +301,23 @@ def test_processes_are_stopped_by_ctrl_c_and_go_on_to_the_same_pool(tmp_path):
         assert train_run(run, tmp_path / "again" / run.path)
         publish(run, tmp_path / "again" / run.path, tmp_path / "whole")
     assert (tmp_path / "pool" / "manifest.json").read_bytes() == (tmp_path / "whole" / "manifest.json").read_bytes()
+
+
+@pytest.mark.parametrize(
+    "content", ["[]", "{", '{"seconds": 1, "agents": [1]}', '{"seconds": 1, "agents": [{"policy": "../../x"}]}', ""]
+)
+def test_a_damaged_list_of_agents_is_one_message(content, built, tmp_path, monkeypatch, capsys):
+    run = pool_config(built).runs()[0]
+    shutil.copytree(built / "runs" / run.path, tmp_path / "runs" / run.path)
+    (tmp_path / "runs" / run.path / "agents.json").write_text(content)
+    with pytest.raises(PoolBuildError, match=r"agents\.json.*remove the file"):
+        publish(run, tmp_path / "runs" / run.path, tmp_path / "pool")
+
+
+def test_an_agent_of_a_run_is_a_file_of_that_run(built, tmp_path):
+    run = pool_config(built).runs()[0]
+    shutil.copytree(built / "runs" / run.path, tmp_path / "run")
+    file = tmp_path / "run" / "agents.json"
+    file.write_text(file.read_text().replace('"policy": "policy"', '"policy": "../policy"'))
+    with pytest.raises(PoolBuildError, match="is not in this folder"):
+        publish(run, tmp_path / "run", tmp_path / "pool")

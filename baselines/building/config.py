@@ -21,9 +21,9 @@ from overcooked_bench.files import check_name, read_text
 from overcooked_bench.kitchen.layout import layout_names
 from overcooked_bench.shelf import Shelf
 
-from .learning.seeds import derive_seed
-from .learning.settings import Settings
-from .presets import PresetError, config_names, load_config
+from ..learning.settings import Settings
+from ..presets import PresetError, config_names, load_config
+from ..running.seeds import derive_seed
 
 Kind = Literal["final", "half", "early"]
 FINAL: Final = "final"

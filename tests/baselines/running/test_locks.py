@@ -1,7 +1,7 @@
 from threading import Event, Thread
 
-from overcooked_bench.baselines.learning import locks
-from overcooked_bench.baselines.learning.locks import alone, locked
+from overcooked_bench.baselines.running import locks
+from overcooked_bench.baselines.running.locks import alone, locked
 
 
 def test_one_process_at_a_time(tmp_path):

@@ -1,7 +1,6 @@
 """Who sits on the other seat during training, from the names that a user gives."""
 
-import sys
-from collections.abc import Sequence, Set
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -16,8 +15,8 @@ from overcooked_bench.evaluation.games.play import play_episodes
 from overcooked_bench.evaluation.protocol import load_protocol, protocol_names
 from overcooked_bench.kitchen.layout import Layout
 
-from .freeze import Returns
-from .settings import Settings
+from ..learning.freeze import Returns
+from ..learning.settings import Settings
 
 
 def partner_names(given: Sequence[str], settings: Settings, only_final: bool = False) -> tuple[str, ...]:
@@ -33,32 +32,32 @@ def partner_names(given: Sequence[str], settings: Settings, only_final: bool = F
     """
     layout = Layout.load(settings.layout).name
     names: list[str] = []
-    pools = {name.partition("/")[0] for name in given}
     for name in given:
         if not is_pool(name):
             names.append(name)
             continue
         pool = Pool.load(name)
-        pools.add(pool.name)
         if pool.cooking != settings.cooking:
             raise PoolError(f"pool {name!r} is of cooking {pool.cooking!r}; train with --cooking {pool.cooking}")
         if not pool.agents(layout):
             raise PoolError(f"pool {name!r} has no agents for {layout!r}; its layouts are {', '.join(pool.layouts)}")
         agents = [agent for agent in pool.agents(layout) if agent.trained.done == 1 or not only_final]
         names += [f"{name}/{layout}/{agent.name}" for agent in agents]
-    _warn_of_scoring_pools(pools)
     return tuple(names)
 
 
-def _warn_of_scoring_pools(names: Set[str]) -> None:
-    """Says so where a pool of these names is one that a shipped protocol scores with."""
-    for protocol in map(load_protocol, protocol_names()):
-        if protocol.play.pool in names:
-            print(
-                f"warning: protocol {protocol.name} scores with the pool {protocol.play.pool}; an agent trained or "
-                "chosen with it has met its partners. train-v1 is made to train against, dev-v1 to choose by",
-                file=sys.stderr,
-            )
+def scoring_pools(given: Sequence[str]) -> list[tuple[str, str]]:
+    """Finds partners that a shipped protocol scores with: an agent trained or chosen with them has met them.
+
+    Args:
+        given: Pools, and whatever else `find` takes.
+
+    Returns:
+        Pairs of a protocol's and its pool's name.
+    """
+    pools = {name.partition("/")[0] for name in given} | {Pool.load(name).name for name in given if is_pool(name)}
+    protocols = [load_protocol(name) for name in protocol_names()]
+    return [(protocol.name, str(protocol.play.pool)) for protocol in protocols if protocol.play.pool in pools]
 
 
 def load_partners(names: Sequence[str], settings: Settings) -> list[Agent]:

@@ -8,9 +8,8 @@ again; what comes out depends on the configuration alone, not on stops, processe
 import json
 import os
 from dataclasses import asdict
-from math import ceil
 from pathlib import Path
-from typing import Any, Final, TypedDict
+from typing import Any, Final
 
 import msgspec
 
@@ -25,15 +24,17 @@ from overcooked_bench.agents.pools.manifest import (
     write_manifest,
 )
 from overcooked_bench.agents.pools.records import Entry, Manifest, Training
+from overcooked_bench.documents import read_json
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.evaluation.pools.profile import Measured
 from overcooked_bench.files import read_regular, shown, write_whole
 
-from .learning.locks import locked
-from .learning.parts import checkpoints
-from .learning.run import CONFIG_FILE, Outcome, read_json, write_json
-from .methods import find_method
-from .pool_config import EARLY, FINAL, HALF, Kind, PoolConfig, Run
+from ..methods import find_method
+from ..running.locks import locked
+from ..running.parts import checkpoints
+from ..running.place import CONFIG_FILE, Place, read_record, write_record
+from ..running.run import Outcome
+from .config import EARLY, FINAL, HALF, Kind, PoolConfig, Run
 
 AGENTS_FILE: Final = "agents.json"
 """A finished run's agents, in its folder: their entries, and where their policies lie."""
@@ -44,18 +45,18 @@ class PoolBuildError(WrongUse):
     """What lies in a folder does not belong to this pool's configuration; says what to write instead."""
 
 
-class _Agent(TypedDict):
-    """One agent of a finished run: where its policy is in the run's folder, and its entry."""
+class _Kept(msgspec.Struct):
+    """An agent of a run: where its policy's files are, below the run's folder, and its entry."""
 
     policy: str
     record: Entry
 
 
-class _Agents(TypedDict):
+class _Agents(msgspec.Struct):
     """What `agents.json` holds."""
 
     seconds: float
-    agents: list[_Agent]
+    agents: list[_Kept]
 
 
 def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
@@ -72,10 +73,11 @@ def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
     if (folder / AGENTS_FILE).exists():
         return True
     train = find_method(run.group.method).train
-    outcome: Outcome | None = train(run.settings, folder, run.seed, resume=(folder / CONFIG_FILE).exists(), every=every)
+    place = Place(folder, run.seed, resume=(folder / CONFIG_FILE).exists(), every=every)
+    outcome: Outcome | None = train(run.settings, place)
     if outcome is None:
         return False
-    resolved = read_json(folder / CONFIG_FILE, dict[str, Any]) or {}
+    resolved = read_record(folder / CONFIG_FILE, dict[str, Any]) or {}
     settings = {**resolved, "restarted": outcome.total_restarts}
     if not outcome.total_restarts:
         del settings["restarted"]
@@ -102,14 +104,20 @@ def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
             training=trained,
         )
         stem = files.weights.with_suffix("").relative_to(folder).as_posix()
-        entries.append({"policy": stem, "record": msgspec.to_builtins(record)})
-    write_json(folder / AGENTS_FILE, {"seconds": round(outcome.total_seconds, 1), "agents": entries})
+        entries.append(_Kept(stem, record))
+    write_record(folder / AGENTS_FILE, msgspec.to_builtins(_Agents(round(outcome.total_seconds, 1), entries)))
     return True
+
+
+def _read_agents(file: Path) -> list[_Kept]:
+    try:
+        return read_json(file, MOST_BYTES, _Agents, PoolBuildError).agents
+    except PoolBuildError as error:
+        raise PoolBuildError(f"{error}; remove the file, and the agents of the run are measured again") from None
 
 
 def _keep(run: Run, outcome: Outcome) -> dict[Kind, tuple[PolicyFiles, int, Measured]]:
     """Chooses the agents of a run that enter the pool, with the joint steps that each has had and what it does."""
-    update = run.settings.update_steps
     saved, shares = checkpoints(outcome, run.settings), {FINAL: 1.0}
     if EARLY in run.group.keep:
         shares[EARLY] = min(outcome.snapshots)
@@ -120,7 +128,7 @@ def _keep(run: Run, outcome: Outcome) -> dict[Kind, tuple[PolicyFiles, int, Meas
         share = shares[kind]
         files, done = outcome.files, outcome.steps
         if share < 1:
-            files, done = outcome.snapshots[share], ceil(share * run.settings.trained_steps / update) * update
+            files, done = outcome.snapshots[share]
         chosen[kind] = files, done, saved.measured(share)
     return chosen
 
@@ -135,10 +143,8 @@ def publish(run: Run, folder: Path, pool: Path) -> list[Entry]:
         PoolBuildError: The run was made under another configuration.
         PoolError: The pool that is there is damaged.
     """
-    content = read_json(folder / AGENTS_FILE, _Agents)
-    if content is None:
-        raise PoolBuildError(f"{folder}: no {AGENTS_FILE}, so this run is not finished; build the pool again")
-    records = [agent["record"] for agent in content["agents"]]
+    kept = _read_agents(folder / AGENTS_FILE)
+    records = [one.record for one in kept]
     for record in records:
         _check_entry(run, record, f"{folder}: this run")
     if sorted(record.name for record in records) != sorted(map(run.agent, run.group.keep)):
@@ -146,12 +152,11 @@ def publish(run: Run, folder: Path, pool: Path) -> list[Entry]:
             f"{folder}: this run kept other agents than the configuration asks for; use another --runs"
         )
     with locked(pool):
-        for agent, record in zip(content["agents"], records, strict=True):
-            if not Path(os.path.realpath(folder / agent["policy"])).is_relative_to(os.path.realpath(folder)):
-                raise PoolBuildError(f"{folder / AGENTS_FILE}: {shown(agent['policy'])!r} is not in this folder")
-            for source, target in zip(
-                policy_files(folder / agent["policy"]), policy_files(pool / run.layout / record.name), strict=True
-            ):
+        for one in kept:
+            if not Path(os.path.realpath(folder / one.policy)).is_relative_to(os.path.realpath(folder)):
+                raise PoolBuildError(f"{folder / AGENTS_FILE}: {shown(one.policy)!r} is not in this folder")
+            ours, theirs = policy_files(folder / one.policy), policy_files(pool / run.layout / one.record.name)
+            for source, target in zip(ours, theirs, strict=True):
                 target.parent.mkdir(exist_ok=True)
                 write_whole(target, read_regular(source, MOST_BYTES, raises=PoolBuildError))
         manifest = _manifest(pool)

@@ -10,16 +10,18 @@ import torch
 
 from overcooked_bench.baselines.best_response import Config as BestResponse
 from overcooked_bench.baselines.learning.algorithms import make_dqn
-from overcooked_bench.baselines.learning.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
 from overcooked_bench.baselines.learning.learner import Learner
-from overcooked_bench.baselines.learning.run import make_env
-from overcooked_bench.baselines.self_play import main, train
+from overcooked_bench.baselines.running.checkpoint import load_checkpoint, save_checkpoint
+from overcooked_bench.baselines.running.place import CheckpointError, Place
+from overcooked_bench.baselines.running.run import make_env
+from overcooked_bench.baselines.self_play import train
+from overcooked_bench.cli import main as command
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
-from tests.baselines.tiny import SEED, SETTINGS, STEPS, UPDATE, learned, same, tiny, tiny_arguments, tiny_learner
+from tests.baselines.tiny import SEED, SETTINGS, STEPS, UPDATE, learned, same, self_play, tiny, tiny_learner
 
 SIGNAL_AT_STEP = """
 import os, signal, sys
-from overcooked_bench.baselines.self_play import main
+from overcooked_bench.cli import main
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 
 play, left = OvercookedVecEnv.step_wait, int(sys.argv[1])
@@ -39,7 +41,7 @@ IN_THE_THIRD_ROLLOUT = 2 * UPDATE // 4 + 8
 
 def run_until(name, folder, *others):
     """Trains in a process of its own, which gets a signal in its third rollout."""
-    arguments = tiny_arguments("--output", str(folder), *others)
+    arguments = self_play("--output", str(folder), *others)
     return subprocess.run(
         [sys.executable, "-c", SIGNAL_AT_STEP, str(IN_THE_THIRD_ROLLOUT), name, *arguments],
         capture_output=True,
@@ -83,7 +85,7 @@ def test_a_run_stopped_by_ctrl_c_goes_on_to_the_same_weights(tmp_path, whole_run
     assert f"{3 * UPDATE} of {STEPS} steps" in stopped.stdout
     assert joint_steps_done(tmp_path) == 3 * UPDATE  # the rollout and its update came to an end
     assert not (tmp_path / "policy.safetensors").exists()
-    assert main(tiny_arguments("--output", str(tmp_path), "--resume")) == 0
+    assert command(self_play("--output", str(tmp_path), "--resume")) == 0
     assert finished(tmp_path, whole_run)
 
 
@@ -92,7 +94,7 @@ def test_a_run_that_was_killed_goes_on_from_its_checkpoint_to_the_same_weights(t
     killed = run_until("SIGKILL", tmp_path, "--checkpoint-every", str(UPDATE))
     assert killed.returncode == -signal.SIGKILL
     assert joint_steps_done(tmp_path) == 2 * UPDATE
-    assert train(tiny(), tmp_path, SEED, resume=True)
+    assert train(tiny(), Place(tmp_path, SEED, resume=True))
     assert finished(tmp_path, whole_run)
 
 
@@ -101,10 +103,10 @@ def test_a_run_stopped_in_every_rollout_comes_to_the_same_weights(tmp_path, whol
     for leg in range(1, legs + 1):
         with monkeypatch.context() as patch:
             press_ctrl_c(patch, OvercookedVecEnv, "step_wait", 5)
-            outcome = train(tiny(), tmp_path, SEED, resume=leg > 1)
+            outcome = train(tiny(), Place(tmp_path, SEED, resume=leg > 1))
         assert joint_steps_done(tmp_path) == leg * UPDATE
         assert outcome is None  # after the last rollout too: what was asked holds
-    outcome = train(tiny(), tmp_path, SEED, resume=True)
+    outcome = train(tiny(), Place(tmp_path, SEED, resume=True))
     assert finished(tmp_path, whole_run)
     assert outcome.returns.tolist() == whole_run[1].returns.tolist()
     logs = [json.loads(line) for leg in range(legs) for line in log(tmp_path, leg * UPDATE).read_text().splitlines()]
@@ -123,9 +125,9 @@ def log(folder, begun):
 def test_ctrl_c_during_an_update_saves_after_it(tmp_path, whole_run, monkeypatch):
     with monkeypatch.context() as patch:
         press_ctrl_c(patch, Learner, "train", 2)
-        assert train(tiny(), tmp_path, SEED) is None
+        assert train(tiny(), Place(tmp_path, SEED)) is None
     assert joint_steps_done(tmp_path) == 2 * UPDATE
-    assert train(tiny(), tmp_path, SEED, resume=True)
+    assert train(tiny(), Place(tmp_path, SEED, resume=True))
     assert finished(tmp_path, whole_run)
 
 
@@ -133,7 +135,7 @@ def test_a_second_ctrl_c_stops_at_once(tmp_path, monkeypatch, capsys):
     before = signal.getsignal(signal.SIGINT)
     press_ctrl_c(monkeypatch, OvercookedVecEnv, "step_wait", 18, 20)
     with pytest.raises(KeyboardInterrupt):
-        train(tiny(), tmp_path, SEED)
+        train(tiny(), Place(tmp_path, SEED))
     assert signal.getsignal(signal.SIGINT) is before
     assert "Ctrl-C again stops at once" in capsys.readouterr().err
     assert not (tmp_path / "checkpoint.pt").exists()
@@ -144,9 +146,9 @@ def test_ctrl_c_belongs_to_python_again_after_a_run(whole_run):
 
 
 def test_the_same_seed_gives_the_same_weights_and_another_one_others(tmp_path, whole_run):
-    train(tiny(), tmp_path / "same", SEED, every=UPDATE)
+    train(tiny(), Place(tmp_path / "same", SEED, every=UPDATE))
     assert finished(tmp_path / "same", whole_run)
-    train(tiny(), tmp_path / "other", SEED + 1)
+    train(tiny(), Place(tmp_path / "other", SEED + 1))
     assert not same(learned(tmp_path / "other" / "checkpoint.pt"), learned(whole_run[0] / "checkpoint.pt"))
 
 
@@ -154,7 +156,7 @@ def test_a_finished_run_resumes_to_itself(tmp_path, whole_run, monkeypatch):
     whole, outcome = whole_run
     for name in ("checkpoint.pt", "policy.safetensors"):
         (tmp_path / name).write_bytes((whole / name).read_bytes())
-    again = train(tiny(), tmp_path, SEED, resume=True)
+    again = train(tiny(), Place(tmp_path, SEED, resume=True))
     assert finished(tmp_path, whole_run)
     assert again.steps == outcome.steps == STEPS
     assert again.returns.tolist() == outcome.returns.tolist()
@@ -217,14 +219,14 @@ def test_the_checkpoint_of_another_run_is_refused(others, seed, told, tmp_path, 
     for name in ("checkpoint.pt", "config.json"):
         (tmp_path / name).write_bytes((whole_run[0] / name).read_bytes())
     with pytest.raises(CheckpointError, match=told):
-        train(tiny(**others), tmp_path, seed, resume=True)
+        train(tiny(**others), Place(tmp_path, seed, resume=True))
     for name in ("checkpoint.pt", "config.json"):
         assert (tmp_path / name).read_bytes() == (whole_run[0] / name).read_bytes()
 
 
 def test_a_missing_checkpoint_is_told(tmp_path):
     with pytest.raises(CheckpointError, match="start without --resume"):
-        train(tiny(), tmp_path / "nothing", SEED, resume=True)
+        train(tiny(), Place(tmp_path / "nothing", SEED, resume=True))
     assert not (tmp_path / "nothing").exists()
 
 
@@ -267,7 +269,7 @@ DAMAGE = {
 def test_a_damaged_checkpoint_is_refused(kind, tmp_path, whole_run):
     DAMAGE[kind](tmp_path / "checkpoint.pt", whole_run[0] / "checkpoint.pt")
     with pytest.raises(CheckpointError, match=r"checkpoint\.pt: not a checkpoint of this run, or damaged"):
-        train(tiny(), tmp_path, SEED, resume=True)
+        train(tiny(), Place(tmp_path, SEED, resume=True))
     assert not (tmp_path / "config.json").exists()
 
 
@@ -275,7 +277,7 @@ def test_a_later_format_is_refused(tmp_path, whole_run):
     write = edited(lambda content: content.update(format=2))
     write(tmp_path / "checkpoint.pt", whole_run[0] / "checkpoint.pt")
     with pytest.raises(CheckpointError, match="format 2; this version reads 1"):
-        train(tiny(), tmp_path, SEED, resume=True)
+        train(tiny(), Place(tmp_path, SEED, resume=True))
 
 
 @pytest.mark.parametrize("where", ["plain", "policy", "whole"])
@@ -286,5 +288,5 @@ def test_a_checkpoint_that_would_run_code_is_refused(where, tmp_path, whole_run)
     else:
         edited(lambda content: content.update({where: Payload(target)}))(path, whole_run[0] / "checkpoint.pt")
     with pytest.raises(CheckpointError, match=r"UnpicklingError"):
-        train(tiny(), tmp_path, SEED, resume=True)
+        train(tiny(), Place(tmp_path, SEED, resume=True))
     assert not target.exists()

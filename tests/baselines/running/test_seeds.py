@@ -3,7 +3,7 @@ import hashlib
 import pytest
 
 from overcooked_bench.agents.pools.pool import shipped_pools
-from overcooked_bench.baselines.learning.seeds import USER, derive_seed
+from overcooked_bench.baselines.running.seeds import USER, derive_seed
 
 LAYOUTS = ("cramped_room", "asymmetric_advantages", "coordination_ring", "forced_coordination", "counter_circuit")
 POOLS = sorted({"dev-v0", "dev-v1", "train-v1", "v1", *shipped_pools()})

@@ -4,8 +4,8 @@ import pytest
 
 from overcooked_bench.agents.pools.manifest import policies
 from overcooked_bench.agents.pools.pool import Pool
-from overcooked_bench.baselines.learning.seeds import derive_seed
-from overcooked_bench.baselines.pool_config import PoolConfigError, load_pool_config, pool_config_names
+from overcooked_bench.baselines.building.config import PoolConfigError, load_pool_config, pool_config_names
+from overcooked_bench.baselines.running.seeds import derive_seed
 from tests.baselines.pools import OVERRIDES, group, pool_config, write_config
 
 

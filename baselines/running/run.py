@@ -1,52 +1,54 @@
 """One training run in one folder: schedules, checkpoints, logs, restarts, the frozen policy at its end."""
 
 import json
-import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Final, TypedDict, TypeVar
+from typing import Any, Final, NamedTuple
 
+import msgspec
 import numpy as np
 import torch
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger, make_output_format
 
-from overcooked_bench import documents
-from overcooked_bench.agents.policies.policy import PolicyFiles, policy_files
+from overcooked_bench.agents.policies.policy import PolicyError, PolicyFiles, load_policy, policy_files
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 from overcooked_bench.errors import WrongUse
-from overcooked_bench.files import write_whole
-from overcooked_bench.kitchen.layout import Layout
 
-from .algorithms import AnyLearner
-from .checkpoint import CheckpointError, check_same, load_checkpoint, save_checkpoint
-from .freeze import Returns, freeze, returns_with_itself
+from ..learning.algorithms import AnyLearner
+from ..learning.freeze import Returns, freeze, returns_with_itself
+from ..learning.settings import Settings
+from .checkpoint import check_same, load_checkpoint, save_checkpoint
 from .monitor import Monitor, snapshot_name
+from .place import CONFIG_FILE, CheckpointError, Place, read_record, write_record
 from .seeds import restarted
-from .settings import Settings
 
-CONFIG_FILE: Final = "config.json"
-"""A run's resolved configuration, in its folder."""
 CHECKPOINT: Final = "checkpoint.pt"
 RESTARTS: Final = "restarts.json"
 """The attempts that the divergence check gave up, in a run's folder."""
 RESULT: Final = "result.json"
-"""What a finished run brought, in its folder."""
-SUMMARY: Final = "summary.json"
-"""What a finished command brought, in its folder: points, steps and wall-clock of all its parts."""
-MOST_BYTES: Final = 16 << 20
-"""Of a JSON file in a run's folder."""
+"""The result of a finished run, in its folder."""
 POLICY: Final = "policy"
 SNAPSHOTS: Final = "snapshots"
 
-T = TypeVar("T")
+
+class Snapshot(NamedTuple):
+    """A policy saved on the way.
+
+    Attributes:
+        files: Its files.
+        steps: Joint steps of training that it has had.
+    """
+
+    files: PolicyFiles
+    steps: int
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run brought.
+    """The result of a run.
 
     Attributes:
         files: The frozen policy's files, actor only, float16.
@@ -54,7 +56,7 @@ class Outcome:
         steps: Joint steps of training; those of attempts that the divergence check gave up do not count.
         seconds: Wall-clock of training, without pauses; that of the attempts given up counts.
         snapshots: Policies saved on the way, by share of the steps.
-        restarts: How often the divergence check began anew.
+        restarts: How often the divergence check restarted it.
         with_partners: (E,) the same with the partners of the training, both seats; None where it had none of its own.
         parts: Outcomes of the other runs that this one consists of.
     """
@@ -63,7 +65,7 @@ class Outcome:
     returns: Returns
     steps: int
     seconds: float
-    snapshots: dict[float, PolicyFiles] = field(default_factory=dict)
+    snapshots: dict[float, Snapshot] = field(default_factory=dict)
     restarts: int = 0
     with_partners: Returns | None = None
     parts: tuple["Outcome", ...] = ()
@@ -82,15 +84,6 @@ class Outcome:
     def total_seconds(self) -> float:
         """Wall-clock of training of this run and its parts, as if one after the other."""
         return self.seconds + sum(part.total_seconds for part in self.parts)
-
-
-class _Result(TypedDict):
-    """What `result.json` holds."""
-
-    steps: int
-    seconds: float
-    restarts: int
-    returns: list[float]
 
 
 class UnfitError(WrongUse):
@@ -122,16 +115,32 @@ def make_env(settings: Settings, **others: Any) -> OvercookedVecEnv:
         raise UnfitError(str(error)) from error
 
 
+class _Result(msgspec.Struct):
+    """What `result.json` holds; `snapshots` are the joint steps of each, by share of the steps."""
+
+    steps: int
+    seconds: float
+    restarts: int
+    returns: list[float]
+    snapshots: dict[str, int] = {}
+
+
+class _GivenUp(msgspec.Struct):
+    """An attempt that the divergence check gave up, in `restarts.json`."""
+
+    seed: int
+    joint_steps: int
+    soups: float
+    seconds: float
+
+
 def run(
     settings: Settings,
     method: str,
-    output: Path,
-    seed: int,
+    place: Place,
     make: Callable[[int], AnyLearner],
     *,
-    resume: bool = False,
-    every: int = 250_000,
-    told: dict[str, Any] | None = None,
+    known: dict[str, Any] | None = None,
     callbacks: Sequence[BaseCallback] = (),
     before: Callable[[int], None] = lambda joint_steps: None,
 ) -> Outcome | None:
@@ -140,44 +149,43 @@ def run(
     Args:
         settings: What to train.
         method: The method's name, for the records.
-        output: Folder for the checkpoint, the logs, the resolved configuration and the frozen policy.
-        seed: Of all random numbers.
+        place: Where the run is written, its seed, and whether to resume it.
         make: Makes the fresh learner with its kitchens for a seed.
-        resume: Whether to go on from the folder's checkpoint; the weights are those of an uninterrupted run.
-        every: Joint steps between checkpoints.
-        told: What else belongs to the resolved configuration, such as drawn weights or the partners' names.
+        known: What else belongs to the resolved configuration, such as drawn weights or the partners' names.
         callbacks: Of stable-baselines3, called before our own.
-        before: Told the joint steps of a checkpoint before the kitchens are restored, so that partners can be made
-            what they were.
+        before: Called with the joint steps of a checkpoint before the kitchens are restored, so that partners can be
+            made what they were.
 
     Returns:
-        What came out, or None where the run was interrupted and saved.
+        The result, or None if the run was interrupted and saved.
 
     Raises:
-        CheckpointError: There is nothing to resume from, or it belongs to another configuration.
+        CheckpointError: There is nothing to resume from, it is damaged, or it belongs to another configuration.
         UnfitError: The settings do not fit the layout, or there is no such device.
     """
     _check_device(settings)
     torch.set_num_threads(settings.threads)  # also for what is measured after a run that was finished before
-    resolved = resolved_config(settings, method, seed, told)
-    checkpoint = output / CHECKPOINT
-    if resume:
+    resolved = resolved_config(settings, method, place.seed, known)
+    output, checkpoint = place.folder, place.folder / CHECKPOINT
+    given_up: list[_GivenUp] = []
+    if place.resume:
         _check_config(output, resolved)
-        if known := _finished(output, settings):
-            return known
-    given_up = (read_json(output / RESTARTS, list[dict[str, int | float]]) or []) if resume else []
+        if finished := _finished(output):
+            return finished
+        given_up = read_record(output / RESTARTS, list[_GivenUp]) or []
     while True:
         attempt = len(given_up)
-        model = make(restarted(seed, attempt))
+        model = make(restarted(place.seed, attempt))
         config = resolved | ({"attempt": attempt} if attempt else {})
-        going_on = resume and (checkpoint.exists() or not (output / CONFIG_FILE).exists())
+        going_on = place.resume and (checkpoint.exists() or not (output / CONFIG_FILE).exists())
         memory = None
-        if going_on:  # a run that was killed before its first checkpoint begins anew
+        if going_on:  # a run that was killed before its first checkpoint starts again
             memory = load_checkpoint(checkpoint, model, config, before)
         output.mkdir(parents=True, exist_ok=True)
-        write_json(output / CONFIG_FILE, resolved)
+        write_record(output / CONFIG_FILE, resolved)
         last = attempt >= settings.restarts
-        monitor = Monitor(config, checkpoint, every, settings, output / SNAPSHOTS, last, memory)
+        monitor = Monitor(config, checkpoint, place.every, settings, output / SNAPSHOTS, last, memory)
+        _check_policies(output, [monitor.files(share) for share in monitor.saved])
         model.set_logger(_open_logs(output / "logs", monitor.joint_steps(model), attempt))
         try:
             rows = model.n_envs // settings.num_kitchens
@@ -186,14 +194,14 @@ def run(
         finally:
             monitor.close()
             model.logger.close()
-        seconds = monitor.seconds + sum(one.get("seconds", 0.0) for one in given_up)
+        seconds = monitor.seconds + sum(one.seconds for one in given_up)
         if monitor.diverged is None:
             break
         checkpoint.unlink(missing_ok=True)
         for file in (output / SNAPSHOTS).glob("*"):
             file.unlink()
-        given_up.append({"seed": restarted(seed, attempt), **monitor.diverged, "seconds": monitor.seconds})
-        write_json(output / RESTARTS, given_up)  # at last: a run killed before comes to this point again
+        given_up.append(_GivenUp(restarted(place.seed, attempt), *monitor.diverged, monitor.seconds))
+        write_record(output / RESTARTS, msgspec.to_builtins(given_up))  # at last: a run killed before comes here again
         if monitor.asked:
             return None
     if monitor.stopped:
@@ -202,26 +210,25 @@ def run(
     monitor.snap(settings.steps)  # shares that no rollout began after are the final policy's
     files = freeze(output / POLICY, model, settings)
     returns = returns_with_itself(files, settings)
-    outcome = Outcome(files, returns, monitor.joint_steps(model), seconds, _snapshots(output, settings), len(given_up))
-    numbers = {"steps": outcome.steps, "seconds": seconds, "restarts": outcome.restarts, "returns": returns.tolist()}
-    write_json(output / RESULT, numbers)
-    return None if monitor.asked else outcome  # asked in the last update: nothing else is to be begun
+    result = _Result(
+        monitor.joint_steps(model),
+        seconds,
+        len(given_up),
+        returns.tolist(),
+        {str(share): monitor.saved[share] for share in settings.snapshots},
+    )
+    write_record(output / RESULT, msgspec.to_builtins(result))
+    return None if monitor.asked else _outcome(output, result)  # asked in the last update: nothing else is to be begun
 
 
-def label(layout: str) -> str:
-    """Gives a layout's name as a folder can have it: "custom" where it is a grid."""
-    name = Layout.load(layout).name
-    return "custom" if "\n" in name else name
-
-
-def resolved_config(settings: Settings, method: str, seed: int, told: dict[str, Any] | None = None) -> dict[str, Any]:
-    """Gives what a run's folder says about it, as it is read back from JSON."""
-    content = {**asdict(settings), **(told or {}), "method": method, "training_seed": seed}
+def resolved_config(settings: Settings, method: str, seed: int, known: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Returns what a run's folder says about it, as it is read back from JSON."""
+    content = {**asdict(settings), **(known or {}), "method": method, "training_seed": seed}
     plain: dict[str, Any] = json.loads(json.dumps(content, default=str))
     return plain
 
 
-def claim(output: Path, settings: Settings, method: str, seed: int, resume: bool) -> None:
+def claim(place: Place, settings: Settings, method: str) -> None:
     """Writes the configuration of a run that consists of several into its folder.
 
     Raises:
@@ -230,37 +237,11 @@ def claim(output: Path, settings: Settings, method: str, seed: int, resume: bool
     """
     _check_device(settings)
     make_env(settings)
-    resolved = resolved_config(settings, method, seed)
-    if resume:
-        _check_config(output, resolved)
-    output.mkdir(parents=True, exist_ok=True)
-    write_json(output / CONFIG_FILE, resolved)
-
-
-def write_json(file: Path, content: Any) -> None:
-    """Writes a JSON file whole or not at all."""
-    write_whole(file, json.dumps(content, indent=2) + "\n")
-
-
-def read_json(file: Path, kind: type[T]) -> T | None:
-    """Reads a JSON file that a run may have been killed before writing.
-
-    Args:
-        file: The file.
-        kind: What it holds.
-
-    Returns:
-        The content, or None if there is no such file.
-
-    Raises:
-        CheckpointError: It is not JSON, or holds something else.
-    """
-    if not os.path.lexists(file):
-        return None
-    try:
-        return documents.read_json(file, MOST_BYTES, kind)
-    except WrongUse as error:
-        raise CheckpointError(f"{error}; restore the file, or choose another --output") from None
+    resolved = resolved_config(settings, method, place.seed)
+    if place.resume:
+        _check_config(place.folder, resolved)
+    place.folder.mkdir(parents=True, exist_ok=True)
+    write_record(place.folder / CONFIG_FILE, resolved)
 
 
 def _check_device(settings: Settings) -> None:
@@ -269,26 +250,52 @@ def _check_device(settings: Settings) -> None:
 
 
 def _check_config(output: Path, resolved: dict[str, Any]) -> None:
-    known = read_json(output / CONFIG_FILE, dict[str, Any])
+    known = read_record(output / CONFIG_FILE, dict[str, Any])
     if known is not None:
         check_same(output / CONFIG_FILE, known, resolved)
 
 
-def _snapshots(output: Path, settings: Settings) -> dict[float, PolicyFiles]:
-    return {share: policy_files(output / SNAPSHOTS / snapshot_name(share)) for share in settings.snapshots}
+def _check_policies(output: Path, files: Iterable[PolicyFiles]) -> None:
+    """Makes sure that policies which a run has saved are still there.
+
+    Raises:
+        CheckpointError: One is missing or damaged.
+    """
+    for one in files:
+        try:
+            load_policy(one.weights)
+        except PolicyError as error:
+            raise CheckpointError(
+                f"{error}; the run in {output} had saved this policy: train it again with another --output"
+            ) from None
 
 
-def _finished(output: Path, settings: Settings) -> Outcome | None:
-    """Gives the outcome of a run that is finished already."""
+def _finished(output: Path) -> Outcome | None:
+    """Returns the result of a run that is finished already.
+
+    Raises:
+        CheckpointError: One of its policies is missing or damaged.
+    """
+    result = None
     with suppress(CheckpointError):  # a damaged one is written again
-        if numbers := read_json(output / RESULT, _Result):
-            returns = np.asarray(numbers["returns"], np.float64)
-            files, snapshots = policy_files(output / POLICY), _snapshots(output, settings)
-            return Outcome(files, returns, numbers["steps"], numbers["seconds"], snapshots, numbers["restarts"])
-    return None
+        result = read_record(output / RESULT, _Result)
+    if result is None:
+        return None
+    outcome = _outcome(output, result)
+    _check_policies(output, [outcome.files, *(one.files for one in outcome.snapshots.values())])
+    return outcome
+
+
+def _outcome(output: Path, result: _Result) -> Outcome:
+    snapshots = {
+        share: Snapshot(policy_files(output / SNAPSHOTS / snapshot_name(share)), steps)
+        for share, steps in sorted((float(share), steps) for share, steps in result.snapshots.items())
+    }
+    returns = np.asarray(result.returns, np.float64)
+    return Outcome(policy_files(output / POLICY), returns, result.steps, result.seconds, snapshots, result.restarts)
 
 
 def _open_logs(folder: Path, done: int, attempt: int) -> Logger:
-    """Logs for TensorBoard and as JSON lines; a run that goes on after `done` joint steps keeps its earlier logs."""
+    """Opens logs for TensorBoard and as JSON lines; a run that goes on after `done` steps keeps its earlier logs."""
     suffix = (f"-restart-{attempt}" if attempt else "") + (f"-from-{done}" if done else "")
     return Logger(str(folder), [make_output_format(kind, str(folder), suffix) for kind in ("tensorboard", "json")])

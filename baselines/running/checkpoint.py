@@ -17,15 +17,11 @@ from stable_baselines3 import DQN
 from stable_baselines3.common.buffers import ReplayBuffer
 
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
-from overcooked_bench.errors import WrongUse
 
-from .algorithms import AnyLearner
+from ..learning.algorithms import AnyLearner
+from .place import CheckpointError
 
 FORMAT: Final = 1
-
-
-class CheckpointError(WrongUse):
-    """A checkpoint is missing, damaged or of another run."""
 
 
 def save_checkpoint(
