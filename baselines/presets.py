@@ -128,7 +128,7 @@ def checked(kind: type[Settings], settings: dict[str, Any], where: str) -> dict[
         try:
             found[key] = msgspec.convert(value, hints[key], dec_hook=_path)
         except msgspec.ValidationError as error:
-            raise PresetError(f"{where}, {key}: {shown(value)!r} does not fit ({error})") from None
+            raise PresetError(f"{where}, {key}: {shown(repr(value))} does not fit ({error})") from None
     return found
 
 
