@@ -36,14 +36,7 @@ def test_scenarios(tries, tmp_path):
     rng = seeded("scenarios")
     trees = as_json(trees_of([yaml.safe_load(text) for text in TEXTS], rng))
     inputs = mixed(rng, bytes_of(TEXTS, rng), lines_of(TEXTS, rng), trees)
-    attack(
-        "scenario YAML",
-        TEXTS,
-        mixed(rng, bytes_of(TEXTS, rng), lines_of(TEXTS, rng), trees),
-        read,
-        ScenarioError,
-        tries,
-    ).check()
+    attack("scenario YAML", TEXTS, inputs, read, ScenarioError, tries).check()
 
 
 @TRIES
@@ -79,10 +72,8 @@ def test_reports(tries, tmp_path):
 
     rng = seeded("reports")
     whole = [written(seed).encode()]
-    texts = bytes_of(whole, rng)
-    attack(
-        "scenario report", whole, mixed(rng, texts, as_json(trees_of([seed], rng))), read, ScenarioError, tries
-    ).check()
+    inputs = mixed(rng, bytes_of(whole, rng), as_json(trees_of([seed], rng)))
+    attack("scenario report", whole, inputs, read, ScenarioError, tries).check()
 
 
 @TRIES
