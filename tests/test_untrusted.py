@@ -1,8 +1,11 @@
 """Small files that hung a reader, filled the memory, reached out of their folder, or ended in a traceback."""
 
+import json
 import os
 import time
+from pathlib import Path
 
+import msgspec
 import pytest
 
 from overcooked_bench.agents.behaviours.parsing import behaviour_from_text
@@ -10,10 +13,12 @@ from overcooked_bench.agents.catalogue import load_agent
 from overcooked_bench.agents.pools.manifest import write_manifest
 from overcooked_bench.agents.pools.pool import Pool, PoolError
 from overcooked_bench.agents.submissions.checks import AgentError
+from overcooked_bench.baselines.building.build import PoolBuildError, publish
 from overcooked_bench.baselines.building.config import PoolConfigError, load_pool_config
 from overcooked_bench.baselines.presets import PresetError, load_config
 from overcooked_bench.baselines.running.place import CheckpointError, read_record
 from overcooked_bench.evaluation.protocol import ProtocolError, load_protocol, read_protocol
+from overcooked_bench.evaluation.scores import ScoresError, read_scores
 from overcooked_bench.scenarios.errors import ScenarioError
 from overcooked_bench.scenarios.items import load_items
 from overcooked_bench.scenarios.language.loading import load_scenario
@@ -117,6 +122,7 @@ def test_a_pool_consists_of_regular_files(pool, name, kind):
 
 READERS = {
     "manifest": (lambda folder: Pool.load(folder), "manifest.json", PoolError),
+    "score": (lambda folder: read_scores(folder / "score.json"), "score.json", ScoresError),
     "report": (lambda folder: read_report(folder / "report.json"), "report.json", ScenarioError),
     "training": (lambda folder: read_record(folder / "config.json", dict), "config.json", CheckpointError),
     "known": (lambda folder: read_known(folder / "known.txt"), "known.txt", ScenarioError),
@@ -146,10 +152,38 @@ def test_every_reader_refuses_what_is_none_of_its_files(read, name, error, conte
 def test_json_that_is_nested_deep_is_no_recursion_error(tmp_path):
     file = tmp_path / "f.json"
     file.write_text('{"schema": 1, "items": ' + "[" * 1500 + "]" * 1500 + "}")
-    with pytest.raises(ScenarioError, match=r"f\.json"):
-        read_report(file)
+    for read, error in ((read_scores, ScoresError), (read_report, ScenarioError)):
+        with pytest.raises(error, match=r"f\.json"):
+            read(file)
     with pytest.raises(CheckpointError, match=r"f\.json"):
         read_record(file, dict)
+
+
+def test_a_score_of_schema_1_without_partners_is_no_division_by_zero(tmp_path):
+    old = json.loads((Path(__file__).parent / "data" / "upgrades" / "score-1" / "score.json").read_text())
+    old["layouts"][0]["partners"] = 0
+    (tmp_path / "score.json").write_text(json.dumps(old))
+    with pytest.raises(ScoresError, match=r"score\.json: not a score\.json of schema 1"):
+        read_scores(tmp_path / "score.json")
+
+
+def test_an_agent_that_does_not_say_how_it_was_trained_is_not_published(tmp_path):
+    (chosen,) = pool_config(tmp_path, group()).runs()
+    entry = msgspec.to_builtins(record(chosen.agent("final"), training=None))
+    (tmp_path / "agents.json").write_text(json.dumps({"seconds": 1, "agents": [{"policy": "p", "record": entry}]}))
+    with pytest.raises(PoolBuildError, match="does not say how it was trained"):
+        publish(chosen, tmp_path, tmp_path)
+
+
+def test_a_policy_outside_the_runs_folder_is_not_published(tmp_path):
+    (chosen,) = pool_config(tmp_path, group()).runs()
+    training = {"method": "self-play", "seed": chosen.seed, "configuration": chosen.configuration, "settings": {}}
+    entry = msgspec.to_builtins(record(chosen.agent("final"), **training))
+    (tmp_path / "run").mkdir()
+    content = {"seconds": 1, "agents": [{"policy": "../../../etc/p", "record": entry}]}
+    (tmp_path / "run" / "agents.json").write_text(json.dumps(content))
+    with pytest.raises(PoolBuildError, match="is not in this folder"):
+        publish(chosen, tmp_path / "run", tmp_path)
 
 
 def test_a_neighbour_of_half_a_pair_may_be_anything(tmp_path):

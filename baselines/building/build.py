@@ -206,9 +206,11 @@ def missing(config: PoolConfig, pool: Path) -> list[Run]:
 
 def _check_entry(run: Run, record: Entry, what: str) -> None:
     """Makes sure that an agent was trained as the configuration says."""
+    if record.training is None:
+        raise PoolBuildError(f"{what} does not say how it was trained; choose another --runs and --output")
     settings = json.loads(json.dumps(asdict(run.settings)))
     now = {**settings, "method": run.group.method, "seed": run.seed, "configuration": run.configuration}
-    trained = record.trained
+    trained = record.training
     then = {**trained.settings, "method": trained.method, "seed": trained.seed, "configuration": trained.configuration}
     differing = [
         f"{key} was {value!r}, is {now[key]!r}"

@@ -257,5 +257,5 @@ def read_scores(file: str | Path) -> Scores:
         return msgspec.convert(content, Scores)
     except ScoresError:
         raise
-    except (ValueError, LookupError, TypeError, AttributeError) as error:
+    except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError) as error:
         raise ScoresError(f"{path}: not a score.json of schema {content.get('schema')!r} ({error})") from error

@@ -103,7 +103,7 @@ def statements(rng):
 
 def forge(file: Path) -> None:
     """Makes all checksums match what is there now, as far as that can be done."""
-    with suppress(sqlite3.Error, ValueError), closing(sqlite3.connect(file)) as connection, connection:
+    with suppress(sqlite3.Error, ValueError, TypeError), closing(sqlite3.connect(file)) as connection, connection:
         facts = dict(connection.execute("SELECT key, value FROM facts WHERE key != 'checksum'"))
         digest = hashlib.sha256(json.dumps(sorted(facts.items())).encode()).hexdigest()
         connection.execute("UPDATE facts SET value = ? WHERE key = 'checksum'", (digest,))

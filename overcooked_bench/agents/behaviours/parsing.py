@@ -9,6 +9,7 @@ from overcooked_bench.agents.behaviours.jobs import Finder, Job, Pace, carry, du
 from overcooked_bench.agents.behaviours.timed import FROZEN, Loop, Noisy, Script, Switch
 from overcooked_bench.agents.behaviours.walking import Manner
 from overcooked_bench.documents import parse_yaml
+from overcooked_bench.files import shown
 from overcooked_bench.kitchen.codes import ACTION_NAMES, PICTURE_NAMES, Position
 from overcooked_bench.shelf import guess
 
@@ -17,6 +18,9 @@ VERSION: Final = 1
 
 MOVES: Final = {name: k for names in (PICTURE_NAMES, ACTION_NAMES) for k, name in enumerate(names)}
 """Actions by name, in words of the picture and in those of the compass."""
+
+MOST: Final = 10**9
+"""The greatest number of steps, and the greatest seed."""
 
 TIMED: Final = ("from", "until", "then", "noisy")
 """Keys that every behaviour may have besides its own."""
@@ -209,6 +213,6 @@ def _cell(value: Any, at: str) -> Position:
 
 
 def _whole(value: Any, at: str, least: int) -> int:
-    if type(value) is not int or value < least:
-        raise ValueError(f"{at}: {value!r}; give a whole number from {least}")
+    if type(value) is not int or not least <= value <= MOST:
+        raise ValueError(f"{at}: {shown(value)}; give a whole number from {least} to {MOST:,}")
     return value

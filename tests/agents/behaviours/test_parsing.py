@@ -45,6 +45,8 @@ WRONG = {
     "a fraction of steps": ({"does": "carry", "from": 1.5}, "a whole number from 0"),
     "an end before the start": ({"does": "carry", "from": 5, "until": 3}, "until: 3; give a whole number from 5"),
     "no step": ({"does": "pace", "cells": [[1, 1]], "every": 0}, "a whole number from 1"),
+    "a step that never comes": ({"does": "carry", "from": 10**30}, "a whole number from 0 to 1,000,000,000"),
+    "a seed that no generator takes": ({"does": "carry", "noisy": {"p": 0.1, "seed": 10**30}}, "seed: 1000.*; give"),
     "no noise": ({"does": "carry", "noisy": 0.1}, r"write \{p: 0.1, seed: 0\}"),
     "no probability": ({"does": "carry", "noisy": {"p": 2, "seed": 0}}, "give a probability"),
     "a fault further in": ({"does": "carry", "then": {"does": "pause"}}, "then: does: 'pause' is no behaviour"),
