@@ -1,7 +1,7 @@
 """From cells to a score: every metric for everything that it is about."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.cells import Cells, read_cells
 from overcooked_bench.evaluation.games.replayed import check_returns, read_settings
-from overcooked_bench.evaluation.games.store import Store
+from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.evaluation.metric import Metric, Params, Slice, find_metrics
 from overcooked_bench.evaluation.protocol import Protocol, Report
 from overcooked_bench.evaluation.scores import (
@@ -67,7 +67,7 @@ def summarise(
         settings=rules,
         agent=Source(facts.get("agent_name", ""), facts.get("agent", "")),
         pool=None if pool == "none" else Source(facts.get("pool_name", str(play.pool)), pool),
-        seed=int(facts.get("seed", 0)),
+        seed=int(facts.get("seed", "0")),
         salt=facts.get("salt", play.salt),
         training_seeds=training_seeds,
         interval=describe_interval(training_seeds, play.episodes),
@@ -100,10 +100,13 @@ def recompute(source: str | Path) -> Scores:
     with Store(in_folder(source, EPISODES_FILE)) as store:
         rules = read_settings(store)
         check_returns(store, rules.play.cooking, rules.play.horizon)
-        blocks = store.blocks()
-        seeds = int(store.facts.get("training_seeds", 1 + max((run for _, run, _ in blocks), default=0)))
-        every = list(product(range(seeds), range(rules.play.episodes)))
-        finished = [one for one in rules.play.layouts if all((one, *key) in blocks for key in every)]
+        blocks, episodes = store.blocks(), rules.play.episodes
+        try:
+            seeds = int(store.facts.get("training_seeds", 1 + max((run for _, run, _ in blocks), default=0)))
+        except ValueError as error:
+            raise StoreError(f"{store.file}: its number of training seeds is unclear ({error})") from error
+        known = Counter(layout for layout, run, episode in blocks if run < seeds and episode < episodes)
+        finished = [layout for layout in rules.play.layouts if known[layout] == seeds * episodes]
         return summarise(store, rules, training_seeds=seeds, finished=finished)
 
 

@@ -13,7 +13,8 @@ h1 { font-size: 1.6rem; margin-bottom: 0; overflow-wrap: anywhere; } h2 { font-s
 p.sub, p.note, td small { color: var(--dim); } p.sub { margin-top: .2rem; }
 p.note { margin: .2rem 0; font-size: .9rem; max-width: 46rem; }
 p.warn { margin: .6rem 0; padding: .4rem .8rem; border-left: .25rem solid #d55e00; background: var(--soft); }
-div.wide { overflow-x: auto; } table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+div.wide { overflow-x: auto; } div.wide + div.wide { margin-top: 1.2rem; } div.wide + p.note { margin-top: .8rem; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .8rem .25rem 0; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap;
   vertical-align: baseline; }
 .left, td.code { text-align: left; } th { font-weight: 600; font-size: .9rem; vertical-align: bottom; }

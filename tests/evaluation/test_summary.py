@@ -2,19 +2,22 @@
 
 import json
 import shutil
+from itertools import product
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
 from overcooked_bench.estimate import Estimate, t_interval
 from overcooked_bench.evaluation.cells import PartnerLabel, pack_labels, read_cells
+from overcooked_bench.evaluation.games.block import play_block
 from overcooked_bench.evaluation.games.episode import Episode
 from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.evaluation.scores import SCHEMA, ScoresError, read_scores
 from overcooked_bench.evaluation.statistics import low_quantile
 from overcooked_bench.evaluation.summary import describe_interval, recompute, summarise
-from tests.evaluation.made import changed
+from tests.evaluation.made import block, changed
 
 PARTNERS = {"ann": "trained", "bob": "trained", "cat": "scripted", "stay": "floor"}
 OLD = Path(__file__).parents[1] / "data" / "upgrades" / "score-1"
@@ -222,4 +225,22 @@ def test_what_cannot_be_computed_again_is_one_message(tmp_path):
     shutil.copy(OLD / "episodes.sqlite", tmp_path)
     (tmp_path / "episodes.sqlite").write_bytes((OLD / "episodes.sqlite").read_bytes()[:30_000])
     with pytest.raises(StoreError, match=r"episodes\.sqlite"):
+        recompute(tmp_path)
+
+
+@pytest.mark.parametrize(("seeds", "finished"), [("2", 1), ("1000000000", 0)])
+def test_a_layout_counts_once_all_training_seeds_have_played_it(seeds, finished, protocol, tmp_path):
+    notes = {"settings": msgspec.json.encode(protocol).decode(), "training_seeds": seeds}
+    with Store(tmp_path / "episodes.sqlite", {"agent": "x"}, notes) as store:
+        for key in product([0, 1], [0, 1]):
+            store.add_block(
+                ("cramped_room", *key), play_block(block(protocol, training_seed=key[0], episode=key[1])).episodes
+            )
+    assert len(recompute(tmp_path).layouts) == finished
+
+
+def test_a_number_of_training_seeds_that_is_none_is_one_message(protocol, tmp_path):
+    notes = {"settings": msgspec.json.encode(protocol).decode(), "training_seeds": "many"}
+    Store(tmp_path / "episodes.sqlite", {"agent": "x"}, notes).close()
+    with pytest.raises(StoreError, match=r"episodes\.sqlite: its number of training seeds is unclear"):
         recompute(tmp_path)
