@@ -13,6 +13,7 @@ import numpy as np
 from overcooked_bench.evaluation.games.episode import Episode
 from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.evaluation.protocol import Protocol, upgrade
+from overcooked_bench.kitchen.codes import SERVED
 from overcooked_bench.kitchen.kitchens import Kitchens
 
 _MOST_ROWS: Final = 2048
@@ -63,10 +64,9 @@ def _chunks(episodes: Iterable[Episode]) -> Iterator[list[Episode]]:
 def _check(store: Store, layout: str, episodes: list[Episode], cooking: str, horizon: int) -> None:
     n = len(episodes)
     try:
-        kitchens = Kitchens(layout, n, cooking=cooking, horizon=horizon)
+        kitchens = Kitchens(layout, n, cooking=cooking, horizon=horizon, actions_taken=True, autoreset=False)
     except ValueError as error:
         raise StoreError(f"{store.file}: the episodes on {layout!r} cannot be replayed: {error}") from error
-    kitchens.autoreset = False
     joint = np.empty((horizon, n, 2), np.int64)
     for row, episode in enumerate(episodes):
         try:
@@ -79,24 +79,23 @@ def _check(store: Store, layout: str, episodes: list[Episode], cooking: str, hor
                 raise ValueError("a joint action is none of 0 to 5")
         except (ValueError, OverflowError, RecursionError, LookupError) as error:
             raise StoreError(f"{store.file}: {episode.cell} cannot be replayed: {error}") from error
-    brought = np.zeros((3, n, 2))  # points, partial rewards, soups of each chef
+    brought = np.zeros((4, n, 2))  # points, partial rewards, soups served and soups paid for, of each chef
     for step in range(horizon):
         result = kitchens.step(joint[step])
-        brought += result.soup_reward, result.partial_reward, result.soup_reward > 0
-    seats = np.array([episode.seat for episode in episodes])
-    rows = np.arange(n)
-    mine, theirs = brought[:, rows, seats], brought[:, rows, 1 - seats]
-    found = np.stack([brought[0].sum(axis=1), mine[1], theirs[1], mine[2], theirs[2]], axis=1)
-    for episode, row in zip(episodes, found.tolist(), strict=True):
-        stored = {
-            "soup_reward": episode.soup_reward,
-            "ego_partial_reward": episode.ego_partial_reward,
-            "partner_partial_reward": episode.partner_partial_reward,
-            "ego_soups": episode.ego_soups,
-            "partner_soups": episode.partner_soups,
-        }
-        for (column, value), replayed in zip(stored.items(), row, strict=True):
-            if value != replayed:
+        assert result.actions_taken is not None
+        served = result.actions_taken & SERVED != 0
+        brought += result.soup_reward, result.partial_reward, served, result.soup_reward > 0
+    rows, seats = np.arange(n), np.array([episode.seat for episode in episodes])
+    mine, theirs = brought[:, rows, seats].T.tolist(), brought[:, rows, 1 - seats].T.tolist()
+    for episode, points, own, other in zip(episodes, brought[0].sum(axis=1).tolist(), mine, theirs, strict=True):
+        for column, value, replayed, instead in (
+            ("soup_reward", episode.soup_reward, points, points),
+            ("ego_partial_reward", episode.ego_partial_reward, own[1], own[1]),
+            ("partner_partial_reward", episode.partner_partial_reward, other[1], other[1]),
+            ("ego_soups", episode.ego_soups, own[2], own[3]),  # schema 1 counted soups that were paid for
+            ("partner_soups", episode.partner_soups, other[2], other[3]),
+        ):
+            if value not in (replayed, instead):
                 raise StoreError(
                     f"{store.file}: {episode.cell}: {column} is {value:g}, but its joint actions bring {replayed:g}; "
                     "the file was changed, or written by a version with other rules. Delete it, or write to another "

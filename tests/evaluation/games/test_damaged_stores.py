@@ -9,15 +9,17 @@ from contextlib import closing
 from pathlib import Path
 
 import msgspec
+import numpy as np
 import pytest
 
 from overcooked_bench.cli import main
 from overcooked_bench.evaluation.games.block import play_block
-from overcooked_bench.evaluation.games.episode import COLUMNS, checksum
+from overcooked_bench.evaluation.games.episode import COLUMNS, Episode, checksum, pack_actions, pack_state
 from overcooked_bench.evaluation.games.recording import find_recording
 from overcooked_bench.evaluation.games.replayed import check_returns, read_settings
 from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.state import Chef, KitchenState, Soup
 from tests.evaluation.games.test_store import FACTS, episode
 from tests.evaluation.made import block
 
@@ -154,6 +156,23 @@ def test_a_forged_episode_is_found_by_its_replay(changes, words, copy, tiny):
     assert str(copy) in str(refused.value)
     if "layout" not in changes:
         assert f"{first.cell}" in str(refused.value)
+
+
+def test_soups_that_nobody_pays_for_are_replayed_too(tmp_path):
+    """One onion is no order here: the soup is served, and brings nothing."""
+    served = Chef((3, 2), "south", Soup((1, 0), 20, 20))
+    start = KitchenState((Chef((1, 1)), served), orders=((3, 0),))
+    actions = pack_actions(np.array([[4, 5], [4, 4]], np.uint8))
+    one = Episode(
+        *("cramped_room", 0, 0, "cook", 1, 0, "c" * 64, "scripted", 0.0, 0.0, 0.0, 1, 0, pack_state(start), actions)
+    )
+    with Store(tmp_path / "episodes.sqlite", FACTS) as store:
+        store.add_block(one.block, [one])
+        assert check_returns(store, "auto", 2) == 1
+    with Store(tmp_path / "other.sqlite", FACTS) as store:
+        store.add_block(one.block, [msgspec.structs.replace(one, ego_soups=2)])
+        with pytest.raises(StoreError, match="ego_soups is 2, but its joint actions bring 1"):
+            check_returns(store, "auto", 2)
 
 
 def test_a_forged_episode_is_not_shown(copy, capsys):
