@@ -2,7 +2,7 @@
 
 Names are imported when they are used, so that `import overcooked_bench` stays quick.
 
-PYTEST_DONT_REWRITE: pytest finds its plugin in here, and would warn whoever imported the package before it.
+PYTEST_DONT_REWRITE: pytest finds its plugin in here, and would warn a program that imported the package before it.
 """
 
 from importlib import import_module

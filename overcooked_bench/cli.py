@@ -29,7 +29,7 @@ COMMANDS: Final[list[Callable[[Any], None]]] = [
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs a command.
+    """Runs the given command.
 
     Args:
         arguments: The command line without the program's name; `sys.argv` by default.

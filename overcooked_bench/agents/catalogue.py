@@ -55,7 +55,7 @@ def find(reference: Reference, *, mode: "Mode" = "sample") -> Entrant:
 
 
 def runs_code(reference: Reference) -> bool:
-    """Tells, without running anything, whether finding an agent runs code of a submission."""
+    """Returns, without running anything, whether finding an agent runs code of a submission."""
     fits = next((name for name, kind in KINDS.items() if kind.fits(reference)), None)
     return fits in RUNS_CODE
 

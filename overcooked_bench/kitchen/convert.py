@@ -1,4 +1,4 @@
-"""Between the batch's arrays and the readable `KitchenState`, both ways and exact."""
+"""Converts between the batch's arrays and the readable `KitchenState`, both ways and exactly."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,7 @@ _ITEMS = {name: code for code, name in _NAMES.items()}
 
 
 def read_state(batch: Batch, tables: Tables, layout: Layout, i: int) -> KitchenState:
-    """Gives kitchen i of a batch as a KitchenState."""
+    """Returns kitchen i of a batch as a KitchenState."""
     width = layout.width
 
     def place(cell: int) -> Position:
@@ -66,7 +66,7 @@ def read_state(batch: Batch, tables: Tables, layout: Layout, i: int) -> KitchenS
 
 
 def write_state(batch: Batch, tables: Tables, layout: Layout, i: int, state: KitchenState, horizon: int) -> None:
-    """Puts a KitchenState into kitchen i of a batch, all but its image.
+    """Puts a KitchenState into kitchen i of a batch, except its image.
 
     Cook times come from the layout; a state's own are only used to say how long a soup has cooked.
 
@@ -93,10 +93,10 @@ def write_state(batch: Batch, tables: Tables, layout: Layout, i: int, state: Kit
 def _place_objects(
     tables: Tables, layout: Layout, state: KitchenState
 ) -> tuple[NDArray[np.uint16], NDArray[np.uint16]]:
-    """Gives the codes of all cells and the remaining steps of the pots."""
+    """Returns the codes of all cells and the remaining steps of the pots."""
     strange = [position for position in state.objects if not _is_cell(position)]
     if strange:
-        raise StateError(f"an object lies at {said(strange[0])}; positions are (x, y) of whole numbers")
+        raise StateError(f"an object is at {said(strange[0])}; positions are (x, y) of whole numbers")
     cells, remaining, pots = tables.fresh.copy(), np.zeros(len(tables.pots), np.uint16), tables.pots.tolist()
     for (x, y), thing in row_major(state.objects).items():
         where = f"{_name(thing)} at ({x}, {y})"
@@ -113,12 +113,12 @@ def _place_objects(
             cells[cell] = (POT_COOKING if left else POT_READY) + recipe
             remaining[pots.index(cell)] = left
         else:
-            raise StateError(f"{where}: things lie on counters (X) and soups in pots (P), and this is {tile!r}")
+            raise StateError(f"{where}: objects are on counters (X) and soups in pots (P), and this is {tile!r}")
     return cells, remaining
 
 
 def _place_chefs(tables: Tables, layout: Layout, state: KitchenState) -> tuple[list[int], list[int], list[int]]:
-    """Gives both chefs' cells, directions and items."""
+    """Returns both chefs' cells, directions and items."""
     if len(state.chefs) != 2 or any(not _is_cell(chef.position) for chef in state.chefs):
         raise StateError(f"chefs are {said(state.chefs)}; give two, each at (x, y) of whole numbers")
     position, facing, held = [], [], []
@@ -127,7 +127,7 @@ def _place_chefs(tables: Tables, layout: Layout, state: KitchenState) -> tuple[l
         cell = y * layout.width + x
         inside = 0 <= x < layout.width and 0 <= y < layout.height
         if not inside or tables.fresh[cell] != FLOOR:
-            raise StateError(f"chef {seat} stands at ({x}, {y}), which is no floor")
+            raise StateError(f"chef {seat} stands at ({x}, {y}), which is not floor")
         if chef.facing not in FACINGS:
             raise StateError(f"chef {seat} faces {said(chef.facing)}; directions are {', '.join(FACINGS)}")
         thing = chef.holding

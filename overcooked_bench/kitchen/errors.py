@@ -1,4 +1,4 @@
-"""Errors of what is given to a kitchen, and how messages show what was given."""
+"""Errors about layouts and states, and how messages show the given value."""
 
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.files import shown
@@ -13,7 +13,7 @@ class StateError(WrongUse):
 
 
 def said(value: object) -> str:
-    """Returns a value as messages may print it, whatever it is: cut where it is long or nested."""
+    """Returns any value as a text that messages can print, shortened if it is long or nested."""
     try:
         return shown(repr(value))
     except Exception:  # too deep, a number of too many digits, or a repr that fails

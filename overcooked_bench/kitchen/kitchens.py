@@ -27,16 +27,16 @@ _BOOL: Final = np.dtype(np.bool_)
 
 
 class StepResult(NamedTuple):
-    """What one joint step brought, for N kitchens.
+    """The result of one joint step of N kitchens.
 
     Attributes:
-        soup_reward: (N, 2) float64, reward points, for the chef who delivered; the team's reward is the sum.
-        partial_reward: (N, 2) float64, 3 / 3 / 5 points, for the chef who earned them.
+        soup_reward: (N, 2) float64, reward points, for the chef that delivered; the team's reward is the sum.
+        partial_reward: (N, 2) float64, 3 / 3 / 5 points, for the chef that earned them.
         truncated: (N,) bool, the horizon is reached.
-        events: (N, 2, 25) bool in the order of `EVENTS`, or None where they were not asked for.
-        actions_taken: (N, 2) uint16, what each chef did, or None where it was not asked for: one of the bits `POTTED`,
+        events: (N, 2, 25) bool in the order of `EVENTS`, or None if they were not asked for.
+        actions_taken: (N, 2) uint16, the actions of each chef, or None if not asked for: one of the bits `POTTED`,
             `PLATED`, `SERVED`, `STARTED`, `TOOK` (with `TOOK_DISH` for a dish), `PICKED_UP`, `PUT_DOWN` and `BLOCKED`
-            of `codes`, or 0; `codes.item_of` reads the item that it was about.
+            of `codes`, or 0; `codes.item_of` reads the item concerned.
     """
 
     soup_reward: NDArray[np.float64]
@@ -114,8 +114,8 @@ class Kitchens:
         """Starts new episodes.
 
         Args:
-            seed: Starts kitchen i's random stream anew from (seed, i) alone, never from N; an array (N,) of keys gives
-                each kitchen its own. None goes on with the streams as they are (from fresh entropy at first).
+            seed: Seeds kitchen i's random stream from (seed, i) alone, never from N; an array (N,) of keys gives each
+                kitchen its own. None continues the streams (from fresh entropy at first).
             mask: (N,) bool, the kitchens to start; all by default. Not together with a seed.
 
         Raises:
@@ -159,7 +159,7 @@ class Kitchens:
             actions: (N, 2) ints: 0 north, 1 south, 2 east, 3 west, 4 stay, 5 interact.
 
         Returns:
-            What the step brought; a truncated kitchen has already been reset unless `autoreset` is off.
+            The result; a truncated kitchen has already been reset unless `autoreset` is off.
 
         Raises:
             ValueError: Actions of a wrong shape, type or range, or a kitchen that is over; nothing was played then.
@@ -182,7 +182,7 @@ class Kitchens:
         events: NDArray[np.bool_] | None = None,
         taken: NDArray[np.uint16] | None = None,
     ) -> int:
-        """Does what `step` does, into the caller's arrays, whose shapes and types are not checked.
+        """Steps like `step`, into the caller's arrays, whose shapes and types are not checked.
 
         Args:
             actions: (N, 2) int64, contiguous.
@@ -231,19 +231,19 @@ class Kitchens:
     def observe(
         self, name: str, out: NDArray[Any] | None = None, seats: NDArray[np.int64] | None = None
     ) -> NDArray[Any]:
-        """Shows every kitchen as both chefs see it, or as one of them does; changes nothing.
+        """Returns the observations of both chefs of every kitchen, or of one of them; changes nothing.
 
         Args:
             name: One of `observations.registry.OBSERVATIONS`.
-            out: A contiguous array of the right shape and type to write into, in place of a fresh one.
-            seats: (N,) int64 zeros and ones, for the view of one chef in each kitchen.
+            out: A contiguous array of the right shape and type to write into, instead of a fresh one.
+            seats: (N,) int64 zeros and ones, for the observation of one chef in each kitchen.
 
         Returns:
             (N, 2, *observation_shape(name)), uint8, for "features" float32; [:, k] as chef k sees it. With `seats`
             (N, *observation_shape(name)).
 
         Raises:
-            ValueError: An unknown name, "lossless" where tomatoes are, a stack without history, a wrong `out`.
+            ValueError: An unknown name, "lossless" in a layout with tomatoes, a stack without history, a wrong `out`.
         """
         both, one, dtype, write, prepared, history = self._frames.get(name) or self._frame(name)
         shape = both if seats is None else one
@@ -278,7 +278,7 @@ class Kitchens:
         return observation.shape(self.layout)
 
     def state(self, i: int) -> KitchenState:
-        """Gives kitchen i in readable form.
+        """Returns kitchen i in readable form.
 
         Raises:
             IndexError: There is no kitchen i.
@@ -307,14 +307,14 @@ class Kitchens:
             raise IndexError(f"kitchen {i}; there are kitchens 0 to {self.num_kitchens - 1}")
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
-        """Gives copies of all arrays that the future depends on; `restore` takes them back."""
+        """Returns copies of all arrays of the state, as `restore` takes them."""
         return {name: array.copy() for name, array in self._arrays().items()}
 
     def restore(self, arrays: dict[str, NDArray[Any]]) -> None:
-        """Goes back to a `snapshot` of kitchens of the same layout, number and history.
+        """Restores a `snapshot` of kitchens of the same layout, number and history.
 
         Raises:
-            ValueError: The arrays are those of other kitchens; nothing was changed then.
+            ValueError: The arrays belong to other kitchens; nothing was changed then.
         """
         ours = self._arrays()
         if {k: (v.shape, v.dtype) for k, v in ours.items()} != {k: (v.shape, v.dtype) for k, v in arrays.items()}:
@@ -347,7 +347,7 @@ class _Frame(NamedTuple):
 
 
 def _quiet() -> AbstractContextManager[Any]:
-    """Lets 64-bit counters wrap without a warning where kernels run as plain Python."""
+    """Lets 64-bit counters wrap without a warning if kernels run as plain Python."""
     return np.errstate(over="ignore") if jitting.DISABLED else nullcontext()
 
 

@@ -1,4 +1,4 @@
-"""A kitchen's floor plan and menu: read an ASCII grid, check it, name it."""
+"""A kitchen's floor plan and menu: reads an ASCII grid, checks it, and names it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -47,13 +47,13 @@ class Layout:
     Make one with `Layout.from_text` or `Layout.load`.
 
     Attributes:
-        name: What agents are told: a shipped layout's name, or the grid's text.
+        name: The name that agents get: a shipped layout's name, or the grid's text.
         rows: H strings of W tiles: `X` counter, `P` pot, `O` onions, `T` tomatoes, `D` dishes, `S` serving, ` ` floor.
-        start_cells: Standard start cell of each chef, from the digits of the grid; empty where there were none.
+        start_cells: Standard start cell of each chef, from the digits of the grid; empty if there are none.
         orders: Recipes that are paid for.
         bonus_orders: Recipes that are paid `order_bonus` times.
         order_bonus: The factor for bonus orders.
-        soup_rewards: Reward points of one delivery by recipe index (0 for what is not ordered), bonus included.
+        soup_rewards: Reward points of one delivery by recipe index (0 if it is not ordered), bonus included.
         cook_times: Steps by recipe index.
     """
 
@@ -84,10 +84,10 @@ class Layout:
             orders: Each a list of one to three ingredients, "onion" or "tomato"; an empty list means all nine recipes.
             bonus_orders: Orders that pay `order_bonus` times.
             order_bonus: Factor for bonus orders.
-            soup_reward: Points a delivery: one number, {"onion": v, "tomato": v} summed over the ingredients, or one
+            soup_reward: Points per delivery: one number, {"onion": v, "tomato": v} summed over the ingredients, or one
                 number for each order.
             cook_time: Steps, in the same three forms.
-            name: Given by `load`; the grid's text where absent.
+            name: Set by `load`; by default the grid's text.
 
         Raises:
             LayoutError: The grid or the menu breaks a rule; names row and column, counted from 1.
@@ -102,12 +102,12 @@ class Layout:
 
     @property
     def soup_points(self) -> float:
-        """Points of one soup: those of the cheapest order that is paid for; thresholds count in it."""
+        """Points of one soup, the cheapest order that is paid for; thresholds count soups of this value."""
         return min((points for points in self.soup_rewards if points > 0), default=float(DEFAULT_SOUP_REWARD))
 
     @classmethod
     def load(cls, source: "str | Path | Layout") -> "Layout":
-        """Gives a layout by a shipped name, `<name>-mirrored`, the path of a `.layout` file or a grid's text.
+        """Returns a layout by a shipped name, `<name>-mirrored`, the path of a `.layout` file or a grid's text.
 
         Raises:
             LayoutError: No such name or file, or the grid is not legal.
@@ -127,10 +127,10 @@ class Layout:
 
     @classmethod
     def named(cls, text: str) -> "Layout":
-        """Loads a layout that a file names: a shipped name, its mirror image or a grid's text, never a path.
+        """Loads a layout named in a file: a shipped name, its mirror image or a grid's text, never a path.
 
         Raises:
-            LayoutError: It is none of them, or the grid is not legal.
+            LayoutError: It is none of these, or the grid is not legal.
         """
         names = layout_names()
         if "\n" not in text and text.removesuffix(MIRRORED) not in names:
@@ -151,7 +151,7 @@ class Layout:
         return cls.from_text(grid, name=name, **document.data)
 
     def mirrored(self) -> "Layout":
-        """Gives the left-right mirror image; its name gains or loses `-mirrored`, a grid's text is mirrored itself."""
+        """Returns the left-right mirror image; its name gains or loses `-mirrored`, a grid's text is mirrored."""
         rows = tuple(row[::-1] for row in self.rows)
         starts = tuple((self.width - 1 - x, y) for x, y in self.start_cells)
         if "\n" in self.name:
@@ -172,7 +172,7 @@ class Layout:
 
     @property
     def text(self) -> str:
-        """The grid with its digits, one row a line."""
+        """The grid with its digits, one row per line."""
         return "\n".join(_with_digits(self.rows, self.start_cells))
 
     @property
@@ -182,7 +182,7 @@ class Layout:
         return ordered or any("T" in row for row in self.rows)
 
     def tile(self, position: Position) -> str:
-        """Gives the tile's letter at (x, y)."""
+        """Returns the tile's letter at (x, y)."""
         return self.rows[position[1]][position[0]]
 
     def positions(self, tiles: str) -> list[Position]:
@@ -196,10 +196,10 @@ class Layout:
 
     @cached_property
     def start_regions(self) -> NDArray[np.bool_]:
-        """Where a random start may put the chefs, (regions, regions) by the region of chef 0 and that of chef 1.
+        """Whether a random start may use these regions, (regions, regions) bool: of chef 0, then of chef 1.
 
-        A soup is possible, and the regions differ; one region is used twice only where no two different regions allow
-        a soup.
+        A soup is possible, and the regions differ; both chefs share a region only if no two different regions allow a
+        soup.
 
         Source: the thesis, 6.2.1: the reference sampler ignores regions.
         """
@@ -248,7 +248,7 @@ class Layout:
         if not any(faced_from(cell, self.regions) for cell in cells):
             x, y = cells[0]
             raise LayoutError(
-                f"row {y + 1}, column {x + 1}: no floor cell lies beside the {what}, so no chef reaches it"
+                f"row {y + 1}, column {x + 1}: no floor cell is next to the {what}, so no chef reaches it"
             )
 
 

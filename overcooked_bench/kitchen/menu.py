@@ -1,4 +1,4 @@
-"""What a kitchen pays for and how long it cooks: the menu below a grid, checked."""
+"""Reads the menu below a grid: orders, rewards and cooking times."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Final, NamedTuple
@@ -103,5 +103,5 @@ def _number(given: Any, key: str) -> float:
 
 
 def _is_number(given: Any) -> bool:
-    """Returns whether it is a finite number of a size that rewards can have."""
+    """Returns whether a value is a finite number of a size that rewards can have."""
     return isinstance(given, int | float) and not isinstance(given, bool) and -_LARGEST <= given <= _LARGEST

@@ -1,4 +1,4 @@
-"""The separate parts of a kitchen's floor: which there are, and which of them can make a soup together."""
+"""Finds the separate parts of a kitchen's floor, and which of them can make a soup together."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import permutations
@@ -14,7 +14,7 @@ _SERVES: Final = _BITS["D"] | _BITS["S"]
 
 
 def number_regions(floor: Iterable[Position]) -> dict[Position, int]:
-    """Numbers the connected parts of the floor: (x, y) -> region, from 0 in the order in which they are met."""
+    """Numbers the connected parts of the floor: (x, y) -> region, from 0 in row-major order."""
     cells, regions, count = dict.fromkeys(floor), {}, 0
     for cell in cells:
         if cell in regions:
@@ -36,12 +36,12 @@ def faced_from(position: Position, regions: Mapping[Position, int]) -> set[int]:
 
 
 def able_regions(rows: Sequence[str], regions: Mapping[Position, int], orders: Iterable[Recipe]) -> NDArray[np.bool_]:
-    """Says which chefs can cook an order and serve it, handing things over counters that both face.
+    """Finds the pairs of chefs that can cook an order and serve it, handing objects over counters that both face.
 
     Args:
         rows: The grid.
-        regions: Of each floor cell.
-        orders: (onions, tomatoes) of each.
+        regions: The region of each floor cell.
+        orders: (onions, tomatoes) of each order.
 
     Returns:
         (R, R) bool, symmetric: with one chef in the first region and one in the second.

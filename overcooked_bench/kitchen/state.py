@@ -12,12 +12,12 @@ FACINGS = ACTION_NAMES[: len(DIRECTIONS)]
 
 @dataclass(frozen=True)
 class Soup:
-    """What is in a pot, or a finished soup on a counter or in a chef's hands.
+    """The content of a pot, or a finished soup on a counter or in a chef's hands.
 
     Attributes:
         recipe: (onions, tomatoes).
         tick: Steps cooked so far; -1 while idle in a pot.
-        cook_time: Steps it takes; -1 while idle, and where a foreign state did not say (then the layout decides).
+        cook_time: Steps it takes; -1 while idle, or if a foreign state does not say (then the layout decides).
     """
 
     recipe: Recipe
@@ -31,7 +31,7 @@ class Soup:
 
     @property
     def is_ready(self) -> bool:
-        """Whether a dish would bring it out of its pot."""
+        """Whether a dish can take it out of its pot."""
         return 0 <= self.cook_time <= self.tick
 
     @property
@@ -46,7 +46,7 @@ class Soup:
 
 
 Thing = Literal["onion", "tomato", "dish"] | Soup
-"""What can be held or lie on a counter."""
+"""An object in hands or on a counter."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Chef:
 
 
 class Objects(dict[Position, Thing]):
-    """A dict that is only read: a state may be shown to several agents. `dict(objects)` is a copy to change."""
+    """A read-only dict, since several agents may see one state. `dict(objects)` is a copy to change."""
 
     def _refuse(self, *_: object, **__: object) -> NoReturn:
         raise TypeError(
@@ -85,10 +85,10 @@ class KitchenState:
 
     Attributes:
         chefs: The chefs on seats 0 and 1.
-        objects: (x, y) -> what lies there: things on counters, soups in pots (an empty pot has no entry). Row-major,
-            and only read.
+        objects: (x, y) -> the object there: objects on counters, soups in pots (an empty pot has no entry). Row-major
+            and read-only.
         timestep: Steps since the start.
-        orders: Recipes that are paid for; None where a foreign state did not say.
+        orders: Recipes that are paid for; None if a foreign state does not say.
         bonus_orders: Recipes that are paid more.
     """
 
@@ -99,7 +99,7 @@ class KitchenState:
     bonus_orders: tuple[Recipe, ...] = ()
 
     def __post_init__(self) -> None:
-        """Copies the objects, so that nobody who is shown this state changes it for others."""
+        """Copies the objects, so that an agent that gets this state cannot change it for others."""
         if type(self.objects) is not Objects:
             object.__setattr__(self, "objects", Objects(self.objects))
 
@@ -141,7 +141,7 @@ class KitchenState:
             ]
             objects = {_pair(entry["position"]): _thing(entry) for entry in data["objects"]}
             if len(objects) != len(data["objects"]):
-                raise StateError("two objects lie on the same cell")
+                raise StateError("two objects are on the same cell")
             orders = tuple(_dict_recipe(order) for order in data.get("all_orders") or ()) or None
             bonus = tuple(_dict_recipe(order) for order in data.get("bonus_orders") or ())
             timestep = _whole(data.get("timestep", 0), "timestep")

@@ -1,4 +1,4 @@
-"""A layout and a cooking mode compiled to the tables that the kernels read."""
+"""Compiles a layout and a cooking mode to the tables that the kernels read."""
 
 from typing import NamedTuple
 
@@ -38,14 +38,14 @@ class Tables(NamedTuple):
 
     Attributes:
         ways: (C, 10) uint16  for a floor cell: the cell ahead by facing (4), the wanted cell by action (6)
-        outcomes: (64, 16) uint32  by faced cell code and held item: new cell code, new held item and what was done
+        outcomes: (64, 16) uint32  by faced cell code and held item: new cell code, new held item and the action taken
         by_code: (64, 11) uint8  by cell code: channels 16 to 24, whether a pot starts by itself, its cook time
         payments: (2, 16) float64  points for serving a held item; best payment reachable from a pot's recipe index
         pots: (P,) uint16  cells
         fresh: (C,) uint16  cell codes of the empty kitchen
         floor: (F, 2) uint16  cell and region of each floor cell
         allowed: (R, R) bool  whether a random start may put chef 0 in one region and chef 1 in the other
-        standard: (2,) uint16  standard start cells, zeros where the layout names none
+        standard: (2,) uint16  standard start cells, zeros if the layout has none
         orders: (K, 3) uint16  recipe index, onions and tomatoes of the orders
         background: (26 * C,) uint8  lossless encoding of the empty kitchen without chefs
     """

@@ -24,7 +24,7 @@ TWO = (Chef((1, 1)), Chef((2, 1)))
         (KitchenState((Chef((1, 1)), Chef((1, 1)))), "both chefs"),
         (KitchenState((Chef((1, 1), "up"), Chef((2, 1)))), "faces 'up'"),
         (KitchenState(TWO, {(2, 0): "onion"}), "soups in pots"),
-        (KitchenState(TWO, {(1, 1): "onion"}), "things lie on counters"),
+        (KitchenState(TWO, {(1, 1): "onion"}), "objects are on counters"),
         (KitchenState(TWO, {(9, 9): "onion"}), "outside"),
         (KitchenState(TWO, {(2, 0): Soup((4, 0))}), "one to three"),
         (KitchenState(TWO, {(2, 0): Soup((3, 0), -2)}), "tick -2"),

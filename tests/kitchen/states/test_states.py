@@ -135,14 +135,14 @@ def chefs(**first) -> tuple[Chef, Chef]:
 @pytest.mark.parametrize(
     ("state", "message"),
     [
-        (replace(PLAIN, chefs=chefs(position=(0, 0))), r"chef 0 stands at \(0, 0\), which is no floor"),
-        (replace(PLAIN, chefs=chefs(position=(-1, 2))), r"chef 0 stands at \(-1, 2\), which is no floor"),
+        (replace(PLAIN, chefs=chefs(position=(0, 0))), r"chef 0 stands at \(0, 0\), which is not floor"),
+        (replace(PLAIN, chefs=chefs(position=(-1, 2))), r"chef 0 stands at \(-1, 2\), which is not floor"),
         (replace(PLAIN, chefs=chefs(position=(3, 1))), r"both chefs stand at \(3, 1\)"),
         (replace(PLAIN, chefs=chefs(facing="up")), "chef 0 faces 'up'; directions are north, south, east, west"),
         (replace(PLAIN, chefs=chefs(holding="plate")), "things are 'onion', 'tomato', 'dish' and Soup"),
         (replace(PLAIN, chefs=chefs(holding=Soup((3, 0), 3, 20))), "chef 0's soup .* is always finished"),
-        (replace(PLAIN, objects={(2, 0): "onion"}), r"onion at \(2, 0\): things lie on counters"),
-        (replace(PLAIN, objects={(0, 1): "onion"}), r"onion at \(0, 1\): things lie on counters"),
+        (replace(PLAIN, objects={(2, 0): "onion"}), r"onion at \(2, 0\): objects are on counters"),
+        (replace(PLAIN, objects={(0, 1): "onion"}), r"onion at \(0, 1\): objects are on counters"),
         (replace(PLAIN, objects={(9, 9): "dish"}), r"dish at \(9, 9\): .* this is 'outside'"),
         (replace(PLAIN, objects={(0, 0): Soup((2, 0))}), r"soup \(2, 0\) at \(0, 0\): .* always finished"),
         (replace(PLAIN, objects={(2, 0): Soup((4, 0))}), "a soup has one to three ingredients"),
