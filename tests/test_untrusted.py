@@ -17,6 +17,8 @@ from overcooked_bench.baselines.building.build import PoolBuildError, publish
 from overcooked_bench.baselines.building.config import PoolConfigError, load_pool_config
 from overcooked_bench.baselines.presets import PresetError, load_config
 from overcooked_bench.baselines.running.place import CheckpointError, read_record
+from overcooked_bench.evaluation.cells import read_cells
+from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.evaluation.protocol import ProtocolError, load_protocol, read_protocol
 from overcooked_bench.evaluation.scores import ScoresError, read_scores
 from overcooked_bench.scenarios.errors import ScenarioError
@@ -26,6 +28,7 @@ from overcooked_bench.scenarios.plugin.bench import read_known
 from overcooked_bench.scenarios.shown.comparing import read_report
 from tests.agents.made import record, write_policy
 from tests.baselines.pools import group, pool_config
+from tests.evaluation.games.test_store import FACTS, episode
 from tests.evaluation.made import protocol_text
 from tests.scenarios.writing import POT, edited
 
@@ -165,6 +168,14 @@ def test_a_score_of_schema_1_without_partners_is_no_division_by_zero(tmp_path):
     (tmp_path / "score.json").write_text(json.dumps(old))
     with pytest.raises(ScoresError, match=r"score\.json: not a score\.json of schema 1"):
         read_scores(tmp_path / "score.json")
+
+
+@pytest.mark.parametrize("notes", ["[" * 3000, '{"cramped_room": {"greedy": 1}}', "{", '["cramped_room"]'])
+def test_what_a_store_says_of_partners_is_not_trusted(notes, tmp_path):
+    with Store(tmp_path / "episodes.sqlite", FACTS, {"partners": notes}) as store:
+        store.add_block(("cramped_room", 0, 0), [episode()])
+        with pytest.raises(StoreError, match=r"episodes\.sqlite"):
+            read_cells(store, ["cramped_room"], 1, 1, [0])
 
 
 def test_an_agent_that_does_not_say_how_it_was_trained_is_not_published(tmp_path):

@@ -13,6 +13,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from overcooked_bench.documents import parse_json
 from overcooked_bench.evaluation.games.episode import Episode
 from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.kitchen.layout import Layout
@@ -160,16 +161,17 @@ def _cells(store: Store, layout: str, rows: Sequence[Episode], shape: tuple[int,
 
 def _labels(store: Store, layout: str, rows: Iterable[Episode]) -> tuple[PartnerLabel, ...]:
     """Describes the partners of a layout, those that count first."""
+    notes = store.facts.get("partners", "{}")
+    known = parse_json(notes, str(store.file), dict[str, dict[str, tuple[str, str | None]]], StoreError).get(layout, {})
     try:
-        known = json.loads(store.facts.get("partners", "{}")).get(layout, {})
         found: dict[str, PartnerLabel] = {}
         for row in rows:
             stratum, convention = known.get(row.partner, (row.kind, None))
             is_ego = row.partner_sha256 == store.facts.get("agent")
-            label = PartnerLabel(row.partner, row.kind, row.partner_sha256, str(stratum), convention, is_ego)
+            label = PartnerLabel(row.partner, row.kind, row.partner_sha256, stratum, convention, is_ego)
             if found.setdefault(row.partner, label) != label:
                 raise ValueError(f"{row.cell} is another partner than before: {label.kind}, {label.sha256}")
-    except (ValueError, AttributeError, TypeError) as error:
+    except ValueError as error:
         raise StoreError(
             f"{store.file}: its partners on {layout} are unclear ({error}); the file was changed"
         ) from error

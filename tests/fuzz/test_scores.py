@@ -11,6 +11,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from overcooked_bench.evaluation.cells import read_cells
 from overcooked_bench.evaluation.games.block import play_block
 from overcooked_bench.evaluation.games.episode import COLUMNS, checksum, read_row
 from overcooked_bench.evaluation.games.recording import find_recording, read_settings
@@ -43,7 +44,9 @@ def test_scores(tries, tmp_path):
 def played(tmp_path_factory, tiny):
     """A store of two blocks, and one of the first schema."""
     file = tmp_path_factory.mktemp("store") / "episodes.sqlite"
-    with Store(file, FACTS, {"settings": msgspec.json.encode(tiny).decode(), "agent_name": "greedy"}) as store:
+    notes = {"settings": msgspec.json.encode(tiny).decode(), "agent_name": "greedy"}
+    notes["partners"] = '{"cramped_room": {"greedy": ["scripted", null], "random": ["scripted", "a"]}}'
+    with Store(file, FACTS, notes) as store:
         for index in range(2):
             outcome = play_block(block(tiny, episode=index))
             store.add_block(outcome.key, outcome.episodes)
@@ -51,11 +54,12 @@ def played(tmp_path_factory, tiny):
 
 
 def read_store(file: Path) -> None:
-    """Does all that commands do with a store: replays every episode, and shows the worst one."""
+    """Does all that commands do with a store: replays every episode, scores them, and shows the worst one."""
     with Store(file) as store:
         rules = read_settings(store).play
         check_returns(store, rules.cooking, rules.horizon)
         store.adapted()
+        read_cells(store, [layout for layout in rules.layouts if layout == "cramped_room"], 1, 2, rules.seats)
     with suppress(StopIteration):
         next(find_recording(file, worst=True).frames())
 
@@ -72,6 +76,7 @@ def test_bytes_of_stores(tries, played, tmp_path):
     attack("episodes.sqlite, bytes", whole, bytes_of(whole, seeded("bytes")), read, StoreError, tries).check()
 
 
+FACTS_KEYS = ("settings", "partners", "agent_name", "agent", "schema", "checksum")
 COLUMNS_OF = {"episodes": COLUMNS, "blocks": ("layout", "episode", "adapted"), "facts": ("key", "value")}
 
 
@@ -85,7 +90,8 @@ def statements(rng):
         column = rng.choice(
             {"episodes": COLUMNS, "blocks": ("layout", "episode", "adapted"), "facts": ("key", "value")}[table]
         )
-        where = where if table == "episodes" else ""
+        if table != "episodes":
+            where = f" WHERE key = '{rng.choice(FACTS_KEYS)}'" if table == "facts" else ""
         yield rng.choice(
             [(f"UPDATE {table} SET {column} = ?{where}", (fits,))] * 8
             + [
