@@ -54,7 +54,7 @@ class Config(Settings):
             )
 
     def event_share_at(self, done: int) -> float:
-        """Gives the share of what events pay besides, after `done` joint steps.
+        """Returns the share of what events pay besides, after `done` joint steps.
 
         It is 0 until half of the partial rewards has faded, and grows to 1 while the other half fades.
         """

@@ -75,7 +75,7 @@ class PastSelves:
         self._playing.reset(layout, seats, seeds)
 
     def act(self, observations: Any) -> NDArray[np.int64]:
-        """Chooses one action a row."""
+        """Chooses one action per row."""
         assert self._playing is not None
         return self._playing.act(observations)
 

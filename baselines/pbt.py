@@ -87,7 +87,7 @@ class Leg(PartnerSettings):
     """Joint steps of the whole run."""
 
     def learning_rate_at(self, left: float) -> float:
-        """Gives the learning rate where the share `left` of this leg is left."""
+        """Returns the learning rate where the share `left` of this leg is left."""
         passed = min(1.0, (self.begun + (1 - max(0.0, left)) * self.steps) / self.whole)
         return self.learning_rate + (self.learning_rate_end - self.learning_rate) * passed
 
@@ -201,7 +201,7 @@ def exploit(
 
 
 def scheduled(hyper: dict[str, float], config: Config) -> dict[str, float]:
-    """Gives hyperparameters with the ends of their schedules, which keep their proportion to the starts."""
+    """Returns hyperparameters with the ends of their schedules, which keep their proportion to the starts."""
     ends = {
         end: getattr(config, end) * (hyper[start] / getattr(config, start))
         for start, end in _ENDS.items()

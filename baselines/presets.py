@@ -43,7 +43,7 @@ def config_names(method: str) -> tuple[str, ...]:
 
 
 def config_class(method: str) -> type[Settings]:
-    """Gives the settings class of a method.
+    """Returns the settings class of a method.
 
     Raises:
         WrongUse: There is no such method.
@@ -72,7 +72,7 @@ def load_config(method: str, name: str = "", /, **overrides: Any) -> Settings:
 def named_settings(
     method: str, name: str = "", layout: str = "", above: tuple[tuple[str, str], ...] = ()
 ) -> dict[str, Any]:
-    """Gives what a configuration sets.
+    """Returns what a configuration sets.
 
     Args:
         method: A training method.
@@ -103,7 +103,7 @@ def named_settings(
 
 
 def _plain_name(layout: str) -> str:
-    """Gives a layout's name; what cannot be loaded is refused elsewhere, with all other settings."""
+    """Returns a layout's name; what cannot be loaded is refused elsewhere, with all other settings."""
     try:
         return Layout.load(layout).name.removesuffix(MIRRORED)
     except LayoutError:

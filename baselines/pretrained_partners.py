@@ -66,14 +66,14 @@ class Config(PartnerSettings):
 
 
 def self_play_config(config: PartnerSettings, steps: int, snapshots: tuple[float, ...] = ()) -> SelfPlay:
-    """Gives the settings of the self-play agents that belong to a method: what they share with its learner's."""
+    """Returns the settings of the self-play agents that belong to a method: what they share with its learner's."""
     shared = {field.name: getattr(config, field.name) for field in dataclasses.fields(SelfPlay)}
     rollout = max(1, config.rollout // 2)  # both chefs' steps make the same batch
     return SelfPlay(**shared | {"steps": steps, "rollout": rollout, "snapshots": snapshots})
 
 
 def population(config: Config, place: Place) -> tuple[list[Policy], tuple[Outcome, ...]] | None:
-    """Gives the partners and the runs they were trained in, now if need be; None where that was interrupted."""
+    """Returns the partners and the runs they were trained in, now if need be; None where that was interrupted."""
     if config.pool:
         names = partner_names((config.pool,), config, only_final=not config.checkpoints)
         policies: list[Policy] = []

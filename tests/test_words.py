@@ -20,7 +20,7 @@ CODE = re.compile(r"```.*?```|``.*?``|`[^`\n]*`", re.DOTALL)
 FOLDERS = ("overcooked_bench", "baselines", "protocols", "unit_scenarios", "docs")
 NOT_YET = (
     "baselines/",
-    "overcooked_bench/",
+    "overcooked_bench/evaluation/",
 )
 """What is still to be rewritten; nothing is added here."""
 

@@ -41,7 +41,7 @@ class Batch(NamedTuple):
     others: torch.Tensor
 
     def take(self, rows: torch.Tensor) -> "Batch":
-        """Gives some of the samples."""
+        """Returns some of the samples."""
         return Batch(*(values.index_select(0, rows) for values in self))
 
 

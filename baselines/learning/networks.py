@@ -41,15 +41,15 @@ class Trunk(BaseFeaturesExtractor):
         return observations.flatten(1).index_select(1, self.live)
 
     def forward(self, observations: torch.Tensor) -> torch.Tensor:
-        """Gives the features, (B, width), of whole observations."""
+        """Returns the features, (B, width), of whole observations."""
         return self.features(self.compact(observations))
 
     def features(self, seen: torch.Tensor) -> torch.Tensor:
-        """Gives the features, (B, width), of compact observations (B, L)."""
+        """Returns the features, (B, width), of compact observations (B, L)."""
         raise NotImplementedError
 
     def weights(self) -> dict[str, torch.Tensor]:
-        """Gives the tensors under the names that the frozen architecture has for them."""
+        """Returns the tensors under the names that the frozen architecture has for them."""
         raise NotImplementedError
 
 
@@ -61,7 +61,7 @@ class MlpTrunk(Trunk):
         self.layers = _dense((len(self.live), *settings.hidden))
 
     def features(self, seen: torch.Tensor) -> torch.Tensor:
-        """Gives the last layer's values; see `Trunk.features`."""
+        """Returns the last layer's values; see `Trunk.features`."""
         x = seen.float()
         for layer in self.layers:
             x = torch.relu(layer(x))
@@ -119,7 +119,7 @@ class CnnTrunk(Trunk):
         self.layers = _dense((joined, *settings.hidden))
 
     def features(self, seen: torch.Tensor) -> torch.Tensor:
-        """Gives the last layer's values; see `Trunk.features`."""
+        """Returns the last layer's values; see `Trunk.features`."""
         x = self._convolve(seen.reshape(len(seen) * self._states, -1)).view(len(seen), self._states, -1)
         if self.previous is None:
             x = x[:, 0]
@@ -131,12 +131,12 @@ class CnnTrunk(Trunk):
         return x
 
     def weights(self) -> dict[str, torch.Tensor]:
-        """Gives `conv.*`, `previous.*` and `trunk.*`."""
+        """Returns `conv.*`, `previous.*` and `trunk.*`."""
         previous = {} if self.previous is None else _named("previous", [self.previous], numbered=False)
         return {**_named("conv", (self.first, self.second, self.third)), **previous, **_named("trunk", self.layers)}
 
     def _convolve(self, seen: torch.Tensor) -> torch.Tensor:
-        """Gives the flattened output of the convolutions, (B, F H' W'), of single states (B, L)."""
+        """Returns the flattened output of the convolutions, (B, F H' W'), of single states (B, L)."""
         first = self.first
         assert first.bias is not None
         _, height, width = self._image
@@ -159,21 +159,21 @@ class TrunkPolicy(ActorCriticPolicy):
     def extract_features(
         self, obs: PyTorchObs, features_extractor: BaseFeaturesExtractor | None = None
     ) -> torch.Tensor:
-        """Gives the trunk's values for whole uint8 observations."""
+        """Returns the trunk's values for whole uint8 observations."""
         assert isinstance(obs, torch.Tensor)
         return self.features_extractor(obs)  # type: ignore[no-any-return]
 
     def compact(self, observations: torch.Tensor) -> torch.Tensor:
-        """Gives what `judge` reads, (B, L)."""
+        """Returns what `judge` reads, (B, L)."""
         return self.features_extractor.compact(observations)
 
     def judge(self, seen: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-        """Gives the log-probabilities of all actions, (B, 6), and the values, (B,), of compact observations."""
+        """Returns the log-probabilities of all actions, (B, 6), and the values, (B,), of compact observations."""
         x = self.features_extractor.features(seen)
         return torch.log_softmax(self.action_net(x), 1), self.value_net(x).squeeze(1)
 
     def actor_weights(self) -> dict[str, torch.Tensor]:
-        """Gives the actor's tensors under the names of its frozen architecture."""
+        """Returns the actor's tensors under the names of its frozen architecture."""
         assert isinstance(self.action_net, torch.nn.Linear)
         assert self.action_net.out_features == NUM_ACTIONS
         weights = self.features_extractor.weights() | _named("action", [self.action_net], numbered=False)
@@ -185,7 +185,7 @@ TRUNKS: dict[str, type[Trunk]] = {"mlp": MlpTrunk, "cnn": CnnTrunk}
 
 
 def policy_kwargs(settings: Settings) -> dict[str, Any]:
-    """Gives SB3's `policy_kwargs` for a `TrunkPolicy`."""
+    """Returns SB3's `policy_kwargs` for a `TrunkPolicy`."""
     return {
         "features_extractor_class": TRUNKS[settings.network],
         "features_extractor_kwargs": {"settings": settings},

@@ -143,26 +143,26 @@ class Settings:
         return "both chefs" if self.learning_seats == 2 else "the learner"
 
     def shaping_at(self, done: int) -> float:
-        """Gives the weight of partial rewards after `done` joint steps."""
+        """Returns the weight of partial rewards after `done` joint steps."""
         return 1 - self._passed(done, self.shaping_share)
 
     def event_share_at(self, done: int) -> float:
-        """Gives the share of what events pay besides, after `done` joint steps."""
+        """Returns the share of what events pay besides, after `done` joint steps."""
         return 1.0
 
     def entropy_at(self, done: int) -> float:
-        """Gives the coefficient of the entropy bonus after `done` joint steps."""
+        """Returns the coefficient of the entropy bonus after `done` joint steps."""
         return self.entropy_start + (self.entropy_end - self.entropy_start) * self._passed(done, self.entropy_share)
 
     def learning_rate_at(self, left: float) -> float:
-        """Gives the learning rate where the share `left` of the steps is left, as stable-baselines3 counts them.
+        """Returns the learning rate where the share `left` of the steps is left, as stable-baselines3 counts them.
 
         The last rollout may end after `steps`, with less than nothing left.
         """
         return self.learning_rate_end + (self.learning_rate - self.learning_rate_end) * max(0.0, left)
 
     def _passed(self, done: int, share: float) -> float:
-        """Gives how much has passed, from 0 to 1, of a schedule that takes a share of the steps."""
+        """Returns how much has passed, from 0 to 1, of a schedule that takes a share of the steps."""
         return min(1.0, done / (share * self.steps)) if share else 1.0
 
 

@@ -88,7 +88,7 @@ class Monitor(BaseCallback):
         return model.num_timesteps // (model.n_envs // self._settings.num_kitchens)
 
     def memory(self) -> dict[str, Any]:
-        """Gives what the divergence check depends on, and the time, for a checkpoint."""
+        """Returns what the divergence check depends on, and the time, for a checkpoint."""
         return {
             "returns": list(self._returns),
             "unchecked": self._unchecked,
@@ -102,7 +102,7 @@ class Monitor(BaseCallback):
         return self._before + time.monotonic() - self._began
 
     def close(self) -> None:
-        """Gives Ctrl-C and the terminal back; needed after a run that ended by an exception, harmless after others."""
+        """Restores Ctrl-C and the terminal; needed after a run that ended by an exception, harmless after others."""
         self._progress.stop()
         self._restore()
         self._restore = lambda: None
@@ -153,7 +153,7 @@ class Monitor(BaseCallback):
         self.close()
 
     def _check(self, done: int) -> None:
-        """Gives a run up that has not learned to deliver (thesis, chapter 6: preemptive divergence check)."""
+        """Abandons a run that has not learned to deliver (thesis, chapter 6: preemptive divergence check)."""
         if not self._unchecked or done < self._settings.check_share * self._steps or not self._returns:
             return
         self._unchecked = False
@@ -211,5 +211,5 @@ class Monitor(BaseCallback):
 
 
 def snapshot_name(share: float) -> str:
-    """Gives the stem of a snapshot's files."""
+    """Returns the stem of a snapshot's files."""
     return f"at-{share:g}"

@@ -72,7 +72,7 @@ def load_partners(names: Sequence[str], settings: Settings) -> list[Agent]:
 
 
 def sharing(partners: list[Agent], per_episode: int) -> list[Agent]:
-    """Gives what `OvercookedVecEnv` is told as `partners`.
+    """Returns what `OvercookedVecEnv` is told as `partners`.
 
     Args:
         partners: Who can play.
@@ -89,7 +89,7 @@ def sharing(partners: list[Agent], per_episode: int) -> list[Agent]:
 
 
 def frozen_policies(partners: Sequence[Agent]) -> list[Policy]:
-    """Gives the policies of those partners that are frozen ones."""
+    """Returns the policies of those partners that are frozen ones."""
     return [policy for partner in partners if isinstance(partner, NeuralAgent) for policy in partner.policies]
 
 

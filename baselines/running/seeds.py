@@ -12,7 +12,7 @@ USER: Final = "user"
 
 
 def derive_seed(namespace: str, layout: str, method: str, index: int) -> int:
-    """Gives the 32-bit seed of one training run, from SHA-256 of (namespace, layout, method, index).
+    """Returns the 32-bit seed of one training run, from SHA-256 of (namespace, layout, method, index).
 
     Raises:
         ValueError: The namespace or the method has several lines, with which two runs could share one hash.
@@ -24,14 +24,14 @@ def derive_seed(namespace: str, layout: str, method: str, index: int) -> int:
 
 
 def restarted(seed: int, attempt: int) -> int:
-    """Gives the seed of a run's `attempt`-th restart; attempt 0 is the run itself."""
+    """Returns the seed of a run's `attempt`-th restart; attempt 0 is the run itself."""
     if not attempt:
         return seed
     return int.from_bytes(hashlib.sha256(f"{seed}\nrestart\n{attempt}".encode()).digest()[:4], "big")
 
 
 def part_of(seed: int, part: str) -> int:
-    """Gives the seed of a part of a run that consists of several, such as one agent of a population."""
+    """Returns the seed of a part of a run that consists of several, such as one agent of a population."""
     if "\n" in part:
         raise ValueError(f"part={part!r}; give a name of one line")
     return int.from_bytes(hashlib.sha256(f"{seed}\npart\n{part}".encode()).digest()[:4], "big")

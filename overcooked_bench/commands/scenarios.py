@@ -168,7 +168,7 @@ def _add_compare(commands: Any) -> None:
         commands,
         "compare",
         _compare,
-        "play several agents through scenarios, and count what tells them apart",
+        "play several agents through scenarios, and count the items that discriminate",
         "overcooked-bench scenarios compare greedy stay random 'dev-v0/{layout}/sp-0'",
     )
     parser.add_argument("agents", metavar="AGENT", nargs="+", help="as for `scenarios run --agent`")

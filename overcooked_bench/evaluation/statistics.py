@@ -82,7 +82,7 @@ def ordered(means: ArrayLike) -> NDArray[np.float64]:
 
 
 def low_quantile(values: ArrayLike, axis: int = 0) -> NDArray[np.float64]:
-    """Gives the type-7 0.15-quantile along an axis: 0.4 x(1) + 0.6 x(2) for five values.
+    """Returns the type-7 0.15-quantile along an axis: 0.4 x(1) + 0.6 x(2) for five values.
 
     Source: Hyndman and Fan 1996, definition 7.
     """
@@ -90,12 +90,12 @@ def low_quantile(values: ArrayLike, axis: int = 0) -> NDArray[np.float64]:
 
 
 def tail_quantile(means: ArrayLike) -> NDArray[np.float64]:
-    """Gives each training seed's 0.15-quantile over partners: (S, P) -> (S,)."""
+    """Returns each training seed's 0.15-quantile over partners: (S, P) -> (S,)."""
     return low_quantile(means, axis=1)
 
 
 def tail_mean(means: ArrayLike) -> NDArray[np.float64]:
-    """Gives each training seed's mean over its worst 15 % of the partners, one at least: (S, P) -> (S,)."""
+    """Returns each training seed's mean over its worst 15 % of the partners, one at least: (S, P) -> (S,)."""
     curve = ordered(means)
     return np.asarray(curve[:, : ceil(LOW_QUANTILE * curve.shape[1])].mean(axis=1))
 

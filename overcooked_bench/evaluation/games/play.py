@@ -75,7 +75,7 @@ def play_episodes(
 
     Raises:
         ValueError: The same object twice, or an argument that `Kitchens` refuses.
-        SeatedFault: An agent raised, or answered with something other than one action a row.
+        SeatedFault: An agent raised, or answered with something other than one action per row.
         UnknownLayout: An agent cannot play this layout.
 
     Example:
@@ -121,7 +121,7 @@ def play(
         watch: Called after each step with the kitchens, as they are then, and what the step brought.
 
     Raises:
-        SeatedFault: An agent raised, answered with something other than one action a row, or asks for an observation
+        SeatedFault: An agent raised, answered with something other than one action per row, or asks for an observation
             that this kitchen does not have.
         UnknownLayout: An agent cannot play this layout.
     """

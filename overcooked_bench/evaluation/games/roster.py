@@ -159,5 +159,5 @@ def _ready(reference: str, home: str, layout: str) -> "Agent":
 
 
 def _plain(layout: str) -> str:
-    """Gives the layout that trained partners of a layout come from: in a mirrored kitchen they are shown its image."""
+    """Returns the layout that trained partners of a layout come from: a mirrored kitchen's is its image."""
     return layout.removesuffix(MIRRORED)

@@ -70,7 +70,7 @@ def agreement(means: ArrayLike, lineages: Sequence[str]) -> Agreement:
 
 
 def _estimates(weights: NDArray[np.float64], matrix: NDArray[np.float64], strangers: NDArray[np.bool_]) -> NDArray[Any]:
-    """Gives self-play, cross-play and their ratio for weighted agents.
+    """Returns self-play, cross-play and their ratio for weighted agents.
 
     Args:
         weights: (D, P).

@@ -57,7 +57,7 @@ def draw_heat_map(found: CrossPlay, file: "str | Path | IO[bytes]", form: str = 
 
 
 def _families(found: CrossPlay) -> list[tuple[int, int]]:
-    """Gives (first index, size) of each run of neighbours of one lineage."""
+    """Returns (first index, size) of each run of neighbours of one lineage."""
     families, first = [], 0
     for _, group in groupby(agent.lineage for agent in found.agents):
         count = len(list(group))
