@@ -21,12 +21,12 @@ class Config(PartnerSettings):
     """Trains one policy against fixed partners by an algorithm of stable-baselines3."""
 
     partners: tuple[str, ...] = ("greedy",)
-    """Catalogue names, policies, submissions, or pools, whose agents on the layout all play."""
+    """Agent names, policy files, submissions or pools; of a pool, all frozen agents of the layout play."""
     per_episode: int = 0
-    """How many partners are drawn for each episode; 0 lets all play at once."""
+    """Partners drawn per episode; with 0 all play, each in its share of the kitchens."""
     algorithm: Algorithm = "ppo"
-    """The learner. A2C has no epochs, minibatches and clip, and rollouts of 20 steps at most; of all PPO's settings DQN
-    takes steps, kitchens, learning rates, gamma and gradient norm alone."""
+    """The algorithm. A2C ignores epochs, minibatches and clip, and its rollouts have at most 20 steps. Of PPO's
+    settings DQN uses only steps, num_kitchens, the learning rates, gamma and max_grad_norm."""
 
     def __post_init__(self) -> None:
         """Checks the draws too.

@@ -9,12 +9,12 @@ from overcooked_bench.shelf import guess
 
 METHODS: Final[dict[str, str]] = {
     "self-play": "one policy on both seats",
-    "biased-self-play": "self-play that is also paid for events, by weights drawn per run",
+    "biased-self-play": "self-play with extra rewards for events, whose weights are drawn per run",
     "best-response": "one learner against fixed partners",
     "partner-sampling": "self-play against the learner's own saved past",
     "pretrained-partners": "one learner against partners trained beforehand (fictitious co-play)",
-    "pbt": "a population that learns with each other, the worst replaced by copies of the best",
-    "population": "the thesis's method: agents trained one by one to differ from those before, and two final ones",
+    "pbt": "population-based training: agents learn with each other, and copies of the best replace the worst",
+    "population": "the thesis's method: agents trained one by one to differ from those before, then two final agents",
 }
 """Method -> what it trains. Its module in this package has the same name, with underscores."""
 

@@ -49,27 +49,27 @@ class Config(PartnerSettings):
     candidates: int = 5
     """Self-play agents to choose the initial ones from."""
     candidate_steps: int = 1_000_000
-    """Joint steps of each of them."""
+    """Joint steps of training of each candidate."""
     chosen: int = 3
     """Initial agents of the population."""
     agents: int = 5
-    """Agents that are then trained and added, one by one."""
+    """Agents that are trained after the initial ones, each of which joins the population."""
     per_episode: int = 3
     """Partners that are drawn from the population for each episode."""
     final_factor: float = 1.5
-    """How many times longer the final agents are trained."""
+    """Steps of each final agent, as a multiple of `steps`."""
     reward_coefficient: float = 0.0
-    """Of the divergence as a reward."""
+    """Weight of the divergence from the population as a reward; 0 for none."""
     reward_clip: float = 0.0
-    """That reward in one step at most."""
+    """Upper bound of that reward per step."""
     loss_coefficient: float = 0.0
-    """Of the divergence as a term of the objective."""
+    """Weight of the divergence from the population as a loss term; 0 for none."""
     loss_clip: float = 0.0
-    """That term of one sample at most."""
+    """Upper bound of that term per sample."""
     development: str = "dev-v1"
-    """The pool, or another partner, by which the initial agents are told apart; never the pool that scores."""
+    """Pool or partner whose returns with the candidates tell how much these differ; never the pool that scores."""
     initial: Path | None = None
-    """Where the candidates lie, for all configurations of one seed; beside the run's folder by default."""
+    """Folder of the candidates, shared by all configurations of one seed; by default next to the run's folder."""
 
     def __post_init__(self) -> None:
         """Checks the population too.

@@ -29,15 +29,15 @@ class Points(msgspec.Struct, frozen=True):
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
-    """What came of a run and all its parts.
+    """The outcome of a training run, including all its parts.
 
     Attributes:
         method: How it was trained.
         configuration: Name of the method's configuration.
-        layout: Where.
-        seed: Which of the user's runs it is.
-        with_itself: Return of the policy with itself.
-        with_partners: Return with the partners of its training; None if it had none of its own.
+        layout: The layout's name.
+        seed: Training seed that the user gave.
+        with_itself: Self-play return of the policy.
+        with_partners: Return with the partners that it was trained with; None if it had none of its own.
         steps: Joint steps.
         seconds: Wall-clock of training.
         restarts: How often the divergence check restarted it.
@@ -67,9 +67,9 @@ def train_method(
 
     Args:
         method: A method's name.
-        configuration: What the settings are called.
-        settings: What to train.
-        folder: For everything that is written.
+        configuration: Name of the configuration.
+        settings: The method's settings.
+        folder: Folder that everything is written to.
         resume: Whether to go on from the folder's checkpoint.
         every: Joint steps between checkpoints.
 

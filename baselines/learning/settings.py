@@ -1,4 +1,4 @@
-"""What every PPO run can be told, with the values of the `fast` configuration as defaults."""
+"""The settings of every PPO run, with the values of the `fast` configuration as defaults."""
 
 from dataclasses import dataclass, fields
 from math import inf, isfinite
@@ -31,39 +31,39 @@ class Settings:
     layout: str
     """Shipped layout, grid text or `.layout` file."""
     seed: int = 0
-    """Which of your runs this is; the generator's seed is a hash of it with layout and method."""
+    """Training seed; the generator's seed is a hash of it, the layout and the method."""
     steps: int = 1_000_000
     """Joint steps of training."""
     num_kitchens: int = 64
-    """Kitchens that are played at the same time."""
+    """Kitchens that are played in parallel."""
     rollout: int = 200
     """Steps of each kitchen between updates."""
     epochs: int = 4
-    """Passes over a rollout."""
+    """Epochs per rollout."""
     minibatches: int = 16
-    """Parts that a pass is cut into."""
+    """Minibatches per epoch."""
     learning_rate: float = 2e-3
-    """Of Adam at the start; changes linearly."""
+    """Learning rate of Adam at the start; it changes linearly."""
     learning_rate_end: float = 0.0
-    """Of Adam at the end."""
+    """Learning rate of Adam at the end."""
     gamma: float = 0.99
-    """Discount of a step."""
+    """Discount factor per step."""
     gae_lambda: float = 0.95
-    """Generalised advantage estimation."""
+    """Lambda of generalised advantage estimation (GAE)."""
     clip: float = 0.2
     """PPO's clipping range."""
     value_coefficient: float = 0.05
-    """Weight of the critic's loss; at 0.5 its gradient, clipped with the actor's, leaves the actor standing."""
+    """Weight of the value loss; at 0.5 its gradient dominates the shared clipping, and the actor hardly learns."""
     max_grad_norm: float = 0.5
-    """Longest gradient."""
+    """Norm that gradients are clipped to."""
     entropy_start: float = 0.03
     """Coefficient of the entropy bonus at the start; changes linearly."""
     entropy_end: float = 0.01
     """Coefficient of the entropy bonus at the end."""
     entropy_share: float = 1.0
-    """Share of the steps after which the entropy bonus stays at its end."""
+    """Share of the steps after which the entropy coefficient has reached its end value."""
     shaping_share: float = 2 / 3
-    """Share of the steps after which partial rewards have faded, linearly, to nothing."""
+    """Share of the steps over which the weight of partial rewards is annealed linearly from 1 to 0."""
     network: Literal["mlp", "cnn"] = "mlp"
     """Fully connected layers, or three convolutions before them."""
     hidden: tuple[int, ...] = (64, 64)
@@ -73,27 +73,28 @@ class Settings:
     previous: int = 16
     """Width of the small layer on each older state (network cnn, observation stack_states)."""
     observation: str = "lossless"
-    """What the policy sees, an observation of `Kitchens.observe`."""
+    """Name of the policy's observation; `overcooked-bench list observations` shows all."""
     cooking: Literal["auto", "manual"] = "auto"
-    """Cooking mode."""
+    """auto: a pot starts by itself at the third ingredient; manual: an empty-handed interact starts it."""
     start: Literal["random", "standard"] = "random"
-    """Start states."""
+    """random: random floor cells; standard: the layout's start cells."""
     object_probability: float = 0.0
     """Chance of each pot and each pair of hands to be filled at the start."""
     horizon: int = 400
     """Steps of an episode."""
     check_share: float = 0.0
-    """Share of the steps after which a run that delivers too little is restarted with a derived seed; 0 never."""
+    """Share of the steps after which a run that delivers fewer than `check_soups` soups is restarted with a derived
+    seed; 0 switches the check off."""
     check_soups: float = 3.0
-    """Soups of an episode, on average, that the check asks for."""
+    """Mean soups per episode below which the check restarts a run."""
     restarts: int = 3
-    """Restarts at most; the last attempt goes on whatever the check says."""
+    """Most restarts; the last attempt continues whatever the check finds."""
     snapshots: tuple[float, ...] = ()
-    """Shares of the steps at which the policy is saved beside the final one."""
+    """Shares of the steps, such as 0.5, at which the policy is also saved."""
     threads: int = 1
-    """Threads of torch."""
+    """Number of threads that torch uses."""
     device: Literal["cpu", "cuda"] = "cpu"
-    """Where the network is computed."""
+    """Device that torch trains on."""
 
     def __post_init__(self) -> None:
         """Refuses what PPO cannot be run with.

@@ -1,4 +1,4 @@
-"""The contract of agents, and what helps to keep it.
+"""The interface that agents implement, and helpers for writing an agent.
 
 Names are imported when they are used, so that torch is loaded only if a network plays.
 """

@@ -39,8 +39,8 @@ class GameError(AgentFault):
 class Agent(Protocol):
     """A policy that plays one seat: one object serves B simultaneous episodes, which all start together.
 
-    Row i's randomness depends on `seeds[i]` and the number of steps since `reset` alone, so that a row plays the same
-    in every batch; `sample_actions` draws actions in that way.
+    Row i's actions depend only on its observations, `seeds[i]` and the number of steps since `reset`, so that a row
+    plays the same in every batch; `sample_actions` draws actions in that way.
 
     Attributes:
         observation: The observation that `act` takes: "lossless", "lossless26", "features", "stack_channels",

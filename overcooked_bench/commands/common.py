@@ -12,7 +12,7 @@ from overcooked_bench.shelf import guess
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose mistakes look like all others: one line, exit code 2."""
+    """Reports wrong arguments like all other errors: one line, exit code 2."""
 
     def __init__(self, *arguments: Any, **keywords: Any) -> None:
         look = {"formatter_class": argparse.RawDescriptionHelpFormatter, "allow_abbrev": False}
@@ -40,8 +40,8 @@ def add_command(
 
     Args:
         commands: What `add_subparsers` gave.
-        name: Of the command.
-        run: Carries it out and gives the exit code.
+        name: The command's name.
+        run: Carries out the command and returns the exit code.
         summary: One line, without a capital or a full stop.
         example: A command line that works.
     """
@@ -73,12 +73,19 @@ def add_output(parser: argparse.ArgumentParser, default: str) -> None:
 
 def add_workers(parser: argparse.ArgumentParser) -> None:
     """Declares `--workers`; None stands for `default_workers()`."""
-    parser.add_argument("--workers", metavar="N", type=whole(1), help="processes (default: usable cores, at most four)")
+    parser.add_argument(
+        "--workers", metavar="N", type=whole(1), help="number of worker processes (default: usable cores, at most four)"
+    )
 
 
 def add_engine(parser: argparse.ArgumentParser) -> None:
     """Declares `--engine`."""
-    parser.add_argument("--engine", default="local", metavar="local|dask|ray", help="where the processes run")
+    parser.add_argument(
+        "--engine",
+        default="local",
+        metavar="local|dask|ray",
+        help="where the worker processes run; dask and ray need the extra of that name (default: local)",
+    )
 
 
 def add_seed(parser: argparse.ArgumentParser, summary: str) -> None:
@@ -98,7 +105,7 @@ def add_act_timeout(parser: argparse.ArgumentParser) -> None:
         metavar="SECONDS",
         type=positive,
         default=60.0,
-        help="longest call of a submission's act, for a whole batch of episodes (default: 60)",
+        help="time limit for one call of a submission's act, on a whole batch of episodes (default: 60)",
     )
 
 

@@ -16,8 +16,13 @@ def add_compare(commands: Any) -> None:
         "overcooked-bench compare scores/mine-dev scores/greedy-dev --metric tail_mean",
     )
     parser.add_argument("first", metavar="SCORE", help="the folder of a score, or its score.json")
-    parser.add_argument("second", metavar="SCORE", help="another one; the difference is the first minus the second")
-    parser.add_argument("--metric", metavar="NAME", default="mean", help="which metric (default: mean)")
+    parser.add_argument("second", metavar="SCORE", help="another score; the difference is the first minus the second")
+    parser.add_argument(
+        "--metric",
+        metavar="NAME",
+        default="mean",
+        help="name of a metric in score.json, such as mean, tail_mean or threshold (default: mean)",
+    )
     add_json(parser)
 
 

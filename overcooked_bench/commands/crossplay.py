@@ -31,15 +31,21 @@ def add_crossplay(commands: Any) -> None:
     )
     parser.add_argument("pool", metavar="POOL", help="a shipped pool's name, or a folder")
     add_layouts(parser)
-    parser.add_argument("--agents", metavar="A,B", type=names, default=[], help="only these agents, such as 'sp-*'")
-    parser.add_argument("--checkpoints", action="store_true", help="all checkpoints of a run, not only its last one")
+    parser.add_argument(
+        "--agents", metavar="A,B", type=names, default=[], help="only agents of these names or patterns, such as 'sp-*'"
+    )
+    parser.add_argument(
+        "--checkpoints",
+        action="store_true",
+        help="include every checkpoint of each training run, not only the last one",
+    )
     parser.add_argument(
         "--episodes", metavar="N", type=whole(2), default=20, help="episodes per pair and seat (default: 20)"
     )
     add_output(parser, "crossplay/<pool>")
     add_workers(parser)
     add_engine(parser)
-    add_seed(parser, "other start states")
+    add_seed(parser, "seed of the start states and random streams")
     add_json(parser)
 
 

@@ -32,7 +32,7 @@ def _add_build(commands: Any) -> None:
         commands,
         "build",
         _build,
-        "train every agent that a pool's configuration names; the same command goes on where it was stopped",
+        "train every agent that a pool's configuration names; to resume after a stop, run the same command again",
         "overcooked-bench pool build train-v1 --workers 2 --layouts cramped_room --limit 2",
     )
     parser.add_argument("config", metavar="CONFIG", help="a shipped configuration's name, or a YAML file")
@@ -40,8 +40,10 @@ def _add_build(commands: Any) -> None:
     parser.add_argument("--runs", metavar="DIR", help="folder of the training runs (default: runs/<pool>)")
     add_output(parser, "pools/<pool>")
     add_layouts(parser)
-    parser.add_argument("--groups", metavar="A,B", type=names, help="only these groups, by prefix")
-    parser.add_argument("--limit", metavar="N", type=whole(1), help="stop after so many training runs")
+    parser.add_argument(
+        "--groups", metavar="A,B", type=names, help="only these groups of the configuration, by their key `prefix`"
+    )
+    parser.add_argument("--limit", metavar="N", type=whole(1), help="stop after N training runs")
 
 
 def _build(options: argparse.Namespace) -> int:
@@ -65,7 +67,7 @@ def _add_show(commands: Any) -> None:
         commands,
         "show",
         _show,
-        "show the agents of a pool: how they were trained, what they reach and do with themselves",
+        "show the agents of a pool: how they were trained, and their return and behaviour in self-play",
         "overcooked-bench pool show dev-v0 --layouts cramped_room",
     )
     parser.add_argument("pool", metavar="POOL", help="a shipped pool's name, or a folder")
@@ -91,7 +93,7 @@ def _add_verify(commands: Any) -> None:
         commands,
         "verify",
         _verify,
-        "check a pool: hashes, lineages, duplicates, and one episode of every agent; exit code 1 where it is not sound",
+        "check a pool: hashes, lineages, duplicates, and one episode per agent; exits with 1 if a check fails",
         "overcooked-bench pool verify dev-v0",
     )
     parser.add_argument("pool", metavar="POOL", help="a shipped pool's name, or a folder")

@@ -16,15 +16,17 @@ def add_replay(commands: Any) -> None:
         "overcooked-bench replay scores/greedy-dev --layout cramped_room --worst --gif worst.gif",
     )
     parser.add_argument("score", metavar="DIR", help="the folder of a score, or its episodes.sqlite")
-    parser.add_argument("--layout", metavar="NAME", help="on this layout")
-    parser.add_argument("--partner", metavar="NAME", help="with this partner")
-    parser.add_argument("--seat", type=int, choices=(0, 1), help="with the scored agent on this seat")
-    parser.add_argument("--episode", metavar="N", type=int, help="this start state")
-    parser.add_argument("--training-seed", metavar="N", type=int, help="this training run of the agent")
+    parser.add_argument("--layout", metavar="NAME", help="only episodes on this layout")
+    parser.add_argument("--partner", metavar="NAME", help="only episodes with this partner")
+    parser.add_argument("--seat", type=int, choices=(0, 1), help="only episodes with the scored agent on this seat")
+    parser.add_argument("--episode", metavar="N", type=int, help="only episodes from the N-th start state (from 0)")
+    parser.add_argument(
+        "--training-seed", metavar="N", type=int, help="only episodes of this training seed of the agent"
+    )
     parser.add_argument(
         "--worst", action="store_true", help="the matching episode with the lowest return (default: the first match)"
     )
-    parser.add_argument("--gif", metavar="FILE", help="write a GIF instead of showing it")
+    parser.add_argument("--gif", metavar="FILE", help="write a GIF instead of playing in the terminal")
     parser.add_argument("--fps", metavar="N", type=float, default=8, help="steps per second (default: 8)")
     parser.add_argument("--every", metavar="N", type=int, default=1, help="show only every N-th step")
 

@@ -1,7 +1,6 @@
 """`overcooked-bench scenarios`: run, compare, list, show, check and create cooperation unit tests."""
 
 import argparse
-import os
 import sys
 from collections.abc import Callable
 from functools import partial
@@ -13,23 +12,26 @@ from overcooked_bench.commands.common import (
     add_command,
     add_group,
     add_json,
-    add_output,
     console,
     names,
     whole,
 )
+from overcooked_bench.commands.scenario_files import (
+    SELECT,
+    add_check,
+    add_new,
+    add_seat,
+    add_select,
+    add_show,
+    colour,
+    width,
+)
 from overcooked_bench.scenarios import CATEGORIES
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from overcooked_bench.commands.apart import Call
     from overcooked_bench.scenarios.items import Item
     from overcooked_bench.scenarios.results import ItemResult, SuiteResult
-    from overcooked_bench.scenarios.scenario import Scenario
-    from overcooked_bench.scenarios.solving.gates import GateReport
-
-_SELECT = "ids or their beginnings, categories, families, tags, patterns, files or folders"
 
 
 def add_scenarios(commands: Any) -> None:
@@ -40,7 +42,7 @@ def add_scenarios(commands: Any) -> None:
         "run, compare, list, show, check and create cooperation unit tests",
         "overcooked-bench scenarios run convention --agent greedy",
     )
-    for add in (_add_run, _add_compare, _add_list, _add_show, _add_check, _add_new):
+    for add in (_add_run, _add_compare, _add_list, add_show, add_check, add_new):
         add(inner)
 
 
@@ -49,24 +51,47 @@ def _add_run(commands: Any) -> None:
         commands,
         "run",
         _run,
-        "play an agent through scenarios; exit code 1 where it fails one",
+        "run an agent through scenarios; exits with 1 if the agent fails any",
         "overcooked-bench scenarios run C04 --agent my_agent.py --seat 1 --mirrored --repeat 7",
     )
-    _add_select(parser, "*")
+    add_select(parser, "*")
     parser.add_argument(
         "--agent",
         metavar="AGENT",
         required=True,
-        help="my_agent.py[:function], a folder with agent.py, or an agent's name; {layout} in a name is the layout",
+        help="my_agent.py[:function], a folder, or a name, in which {layout} is replaced by the layout's name",
     )
     parser.add_argument("--category", metavar="A,B", type=names, help="only these categories")
-    parser.add_argument("--repeats", metavar="N", type=whole(1), default=20, help="runs of each (default: 20)")
-    parser.add_argument("--mode", choices=("sample", "greedy"), default="sample", help="how frozen policies act")
-    parser.add_argument("--training-seed", metavar="N", type=whole(0), default=0, help="which training run")
-    parser.add_argument("--warmup", metavar="N", type=whole(0), default=0, help="first views shown before the start")
-    _add_seat(parser)
-    parser.add_argument("--repeat", metavar="K", type=whole(0), help="play this run alone (from 0) and show its film")
-    parser.add_argument("--film", action="store_true", help="show the last steps of every item that is failed")
+    parser.add_argument(
+        "--repeats",
+        metavar="N",
+        type=whole(1),
+        default=20,
+        help="runs of each scenario, for agents that sample (default: 20)",
+    )
+    parser.add_argument(
+        "--mode",
+        choices=("sample", "greedy"),
+        default="sample",
+        help="whether frozen policies sample actions or take the likeliest (default: sample)",
+    )
+    parser.add_argument(
+        "--training-seed",
+        metavar="N",
+        type=whole(0),
+        default=0,
+        help="training seed that make_agent is given (default: 0)",
+    )
+    parser.add_argument(
+        "--warmup",
+        metavar="N",
+        type=whole(0),
+        default=0,
+        help="times that the first observation is shown, actions ignored, before the run starts (default: 0)",
+    )
+    add_seat(parser)
+    parser.add_argument("--repeat", metavar="K", type=whole(0), help="play only this run (from 0) and show its frames")
+    parser.add_argument("--film", action="store_true", help="show the last steps of every failed item")
     parser.add_argument("--report", metavar="FILE", help="write the result of every item as JSON")
     add_act_timeout(parser)
     add_json(parser)
@@ -124,12 +149,12 @@ def _print_result(result: "SuiteResult", options: argparse.Namespace) -> None:
     settings = {"mode": options.mode, "training_seed": options.training_seed, "warmup": options.warmup}
     for one in failed:
         if options.film:
-            print(explain(one, options.agent, colour=_colour(), width=_width(), **settings), end="\n\n")
+            print(explain(one, options.agent, colour=colour(), width=width(), **settings), end="\n\n")
         else:
             print(f"failed  {one.item.id}: {headline(one)}")
     print("\n".join(["", *category_table([one.to_dict() for one in result.items]).text()]))
     if failed and not options.film:
-        print("\n--film shows the last steps of what was failed")
+        print("\n--film shows the last steps of failed items")
 
 
 def _run_once(options: argparse.Namespace, chosen: "list[Item]", call: "Call") -> int:
@@ -154,11 +179,11 @@ def _run_once(options: argparse.Namespace, chosen: "list[Item]", call: "Call") -
             passed.append(False)
             continue
         print(f"{situation.id}, repeat {options.repeat}: {situation.scenario.why}", end="\n\n")
-        print(run.film(len(run.actions), colour=_colour(), width=_width()), end="\n\n")
+        print(run.film(len(run.actions), colour=colour(), width=width()), end="\n\n")
         print(run.why())
         passed.append(run.passed)
     if not passed:
-        print("overcooked-bench: no scenario is played from this seat in this mirror", file=sys.stderr)
+        print("overcooked-bench: no scenario is left for this seat and mirror image", file=sys.stderr)
         return 2
     return 0 if all(passed) else 1
 
@@ -168,13 +193,24 @@ def _add_compare(commands: Any) -> None:
         commands,
         "compare",
         _compare,
-        "play several agents through scenarios, and count the items that discriminate",
+        "run several agents through scenarios, and count the items that one agent passes and another fails",
         "overcooked-bench scenarios compare greedy stay random 'dev-v0/{layout}/sp-0'",
     )
     parser.add_argument("agents", metavar="AGENT", nargs="+", help="as for `scenarios run --agent`")
-    parser.add_argument("--select", metavar="A,B", type=names, help=_SELECT)
-    parser.add_argument("--repeats", metavar="N", type=whole(1), default=20, help="runs of each (default: 20)")
-    parser.add_argument("--mode", choices=("sample", "greedy"), default="sample", help="how frozen policies act")
+    parser.add_argument("--select", metavar="A,B", type=names, help=SELECT)
+    parser.add_argument(
+        "--repeats",
+        metavar="N",
+        type=whole(1),
+        default=20,
+        help="runs of each scenario, for agents that sample (default: 20)",
+    )
+    parser.add_argument(
+        "--mode",
+        choices=("sample", "greedy"),
+        default="sample",
+        help="whether frozen policies sample actions or take the likeliest (default: sample)",
+    )
     add_act_timeout(parser)
     add_json(parser)
 
@@ -198,7 +234,7 @@ def _compare(options: argparse.Namespace) -> int:
 
 def _add_list(commands: Any) -> None:
     parser = add_command(commands, "list", _list, "list scenarios", "overcooked-bench scenarios list partner --json")
-    _add_select(parser, "*")
+    add_select(parser, "*")
     add_json(parser)
 
 
@@ -236,145 +272,10 @@ def _list(options: argparse.Namespace) -> int:
         shown.append([*names, *figures, ", ".join(row["tags"])])
     heads = [Column(name, left=True, wrap=False) for name in ("scenario", "category", "family", "layout")]
     console().print(Table([*heads, "T*", "K", Column("tags", left=True)], shown).terminal())
-    console().print(f"{len(rows)} scenarios; T* steps of the shortest solution, K steps that an agent has", style="dim")
+    console().print(
+        f"{len(rows)} scenarios; T* = steps of the shortest solution, K = steps that an agent has", style="dim"
+    )
     return 0
-
-
-def _add_show(commands: Any) -> None:
-    parser = add_command(
-        commands, "show", _show, "draw scenarios and say what is asked", "overcooked-bench scenarios show C04 --film"
-    )
-    _add_select(parser, "+")
-    _add_seat(parser)
-    parser.add_argument("--film", action="store_true", help="show a shortest solution, too")
-
-
-def _show(options: argparse.Namespace) -> int:
-    from overcooked_bench.scenarios.items import load_scenarios
-    from overcooked_bench.scenarios.shown.showing import show, show_solution
-
-    for number, scenario in enumerate(load_scenarios(options.select)):
-        situation = scenario.seated(options.seat or 0, options.mirrored)
-        print("\n" * bool(number) + show(situation, colour=_colour()))
-        if options.film:
-            print("\n" + show_solution(situation, colour=_colour(), width=_width()))
-    return 0
-
-
-def _add_check(commands: Any) -> None:
-    parser = add_command(
-        commands,
-        "check",
-        _check,
-        "solve scenarios and put them to the gates of the suite; exit code 1 where one does not stand them",
-        "overcooked-bench scenarios check X01-mine.scenario.yaml --film",
-    )
-    _add_select(parser, "+")
-    parser.add_argument("--film", action="store_true", help="show a shortest solution, too")
-    parser.add_argument("--lock", action="store_true", help="write the solutions beside the files: no search next time")
-    add_json(parser)
-
-
-def _check(options: argparse.Namespace) -> int:
-    import json
-
-    from overcooked_bench.scenarios.items import load_scenarios
-    from overcooked_bench.scenarios.shown.showing import show_solution
-    from overcooked_bench.scenarios.solving.gates import check_all
-
-    chosen = load_scenarios(options.select)
-    with ProgressBar("compiling and loading") as tell:
-        reports = check_all(chosen, on_progress=lambda done, of: tell("scenarios", done, of))
-    if options.json:
-        print(json.dumps([_report_json(report) for report in reports], indent=2))
-    for report in reports if not options.json else ():
-        scenario = report.scenario
-        print(f"{scenario.id}: mergeable: {'yes' if report.mergeable else 'no'}")
-        for word, texts in (("wrong", report.faults), ("note", report.notes)):
-            for text in texts:
-                print(f"  {word}: {text}")
-        if report.entry is None:
-            continue
-        players = ", ".join(f"{name} {passed}" for name, passed in report.players.items())
-        print(f"  the shortest solution takes {report.steps} steps, an agent has {report.budget}")
-        print(f"  random play passes {report.random:.1%} of its runs at most")
-        print("  of the 4 situations (both seats, plain and mirrored) are passed by")
-        print(f"  doing nothing {report.stay}, {players}, a planner who knows B's past alone {report.honest}")
-        if options.film:
-            print(f"\n{show_solution(scenario.seated(0), colour=_colour(), width=_width())}\n")
-    if options.lock:
-        for file in _write_locks([report.scenario for report in reports if report.entry]):
-            print(f"{file}  the solutions", file=sys.stderr)
-    return 0 if all(report.mergeable for report in reports) else 1
-
-
-def _report_json(report: "GateReport") -> dict[str, Any]:
-    return {
-        "id": report.scenario.id,
-        "mergeable": report.mergeable,
-        "faults": list(report.faults),
-        "notes": list(report.notes),
-        "shortest": report.steps,
-        "budget": report.budget,
-        "random": report.random,
-        "stay": report.stay,
-        "players": dict(report.players),
-        "honest": report.honest,
-    }
-
-
-def _write_locks(scenarios: "list[Scenario]") -> "list[Path]":
-    from overcooked_bench.scenarios.items import read_files
-    from overcooked_bench.scenarios.solving.lock import lock_path, write_lock
-
-    written = sorted({lock_path(scenario) for scenario in scenarios})
-    for file in written:
-        write_lock(file, read_files([file.parent]))
-    return written
-
-
-def _add_new(commands: Any) -> None:
-    parser = add_command(
-        commands,
-        "new",
-        _new,
-        "begin a scenario: write a file that works, with every key explained",
-        "overcooked-bench scenarios new X01-mine --layout coordination_ring",
-    )
-    parser.add_argument("id", metavar="ID", help="its name, and the file's")
-    parser.add_argument("--layout", metavar="NAME", default="cramped_room", help="default: cramped_room")
-    parser.add_argument("--category", choices=CATEGORIES, default="state", help="default: state")
-    add_output(parser, "here")
-
-
-def _new(options: argparse.Namespace) -> int:
-    from pathlib import Path
-
-    from overcooked_bench.scenarios import SUFFIX
-    from overcooked_bench.scenarios.language.loading import read_scenario
-    from overcooked_bench.scenarios.language.template import template
-
-    file = Path(options.output or "") / f"{options.id}{SUFFIX}"
-    text = template(options.id, options.layout, options.category)
-    read_scenario(text, str(file), options.id)
-    if file.exists():
-        print(f"overcooked-bench: {file} is there already; give another id, or --output DIR", file=sys.stderr)
-        return 2
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(text, "utf-8")
-    print(f"{file}  edit it, then: overcooked-bench scenarios check {file}")
-    return 0
-
-
-def _add_select(parser: argparse.ArgumentParser, nargs: str) -> None:
-    parser.add_argument(
-        "select", metavar="SELECT", nargs=nargs, help=_SELECT + " (default: all that ship)" * (nargs == "*")
-    )
-
-
-def _add_seat(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--seat", type=int, choices=(0, 1), help="only with the agent on this seat")
-    parser.add_argument("--mirrored", action="store_true", help="only in the mirrored kitchen")
 
 
 def _items(options: argparse.Namespace) -> "list[Item]":
@@ -392,15 +293,5 @@ def _items(options: argparse.Namespace) -> "list[Item]":
         and (item.is_pair or item.mirrored or not options.mirrored or options.repeat is not None)
     ]
     if not chosen:
-        raise ScenarioError("nothing is left to play; choose more categories, seats or mirrors")
+        raise ScenarioError("nothing is left to play; choose more categories or seats, or leave --mirrored out")
     return chosen
-
-
-def _colour() -> bool:
-    return sys.stdout.isatty() and not os.environ.get("NO_COLOR")
-
-
-def _width() -> int:
-    from shutil import get_terminal_size
-
-    return get_terminal_size((100, 24)).columns

@@ -35,24 +35,29 @@ def add_score(commands: Any) -> None:
         metavar="AGENT",
         help="a name that `overcooked-bench list` shows, a Python file with make_agent, or a folder with agent.py",
     )
-    parser.add_argument("--protocol", metavar="NAME|FILE", help="what is played (default: the newest shipped protocol)")
-    parser.add_argument("--pool", metavar="NAME|FOLDER", help="another pool than the protocol's")
-    add_layouts(parser, "some of the protocol's layouts; only a score on all of them has an overall value")
+    parser.add_argument(
+        "--protocol",
+        metavar="NAME|FILE",
+        help="which layouts, pool and episodes are played (default: the newest shipped protocol)",
+    )
+    parser.add_argument("--pool", metavar="NAME|FOLDER", help="play with this pool instead of the protocol's")
+    add_layouts(parser, "play only these layouts of the protocol; an overall score needs all of them")
     add_output(parser, "scores/<agent>-<protocol>")
     add_workers(parser)
     add_engine(parser)
-    add_seed(parser, "other start states; compare scores of seed 0")
+    add_seed(parser, "change the start states and random streams; use 0 for scores that you compare or report")
     parser.add_argument(
         "--salt",
         metavar="TEXT",
-        help="replaces the protocol's public salt; `fresh` draws one, as official runs do (default: the public one)",
+        help="text that all random streams are derived from; `fresh` draws one, as official runs do, so that a "
+        "submission cannot compute who its partners are (default: the protocol's public one)",
     )
     add_act_timeout(parser)
     parser.add_argument(
         "--scenarios",
         action=argparse.BooleanOptionalAction,
         default=True,
-        help="play the cooperation scenarios, too, which takes seconds (default: yes)",
+        help="also run the cooperation unit tests, which takes a few seconds (default: yes)",
     )
     add_json(parser)
 

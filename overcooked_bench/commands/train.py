@@ -39,14 +39,24 @@ def method_parser(method: str, config: type[Any], configurations: tuple[str, ...
         add_help=False,
     )
     run = parser.add_argument_group("the run")
-    run.add_argument("-h", "--help", action="store_true", help="show this help and exit; with --config, its values")
     run.add_argument(
-        "--config", metavar="NAME", help=f"named settings: {', '.join(configurations)}; several are joined by commas"
+        "-h",
+        "--help",
+        action="store_true",
+        help="show this help and exit; with --config NAME, its values are the defaults shown",
+    )
+    run.add_argument(
+        "--config",
+        metavar="NAME",
+        help=f"named settings: {', '.join(configurations)}; join several with commas, the later ones win",
     )
     run.add_argument("--output", metavar="DIR", help="folder to write to (default: runs/<method>-<layout>-<seed>)")
-    run.add_argument("--resume", action="store_true", help="go on from the folder's checkpoint")
+    run.add_argument("--resume", action="store_true", help="continue from the checkpoint in the output folder")
     run.add_argument(
-        "--checkpoint-every", metavar="N", type=whole(1), help="joint steps between checkpoints (default: 250000)"
+        "--checkpoint-every",
+        metavar="N",
+        type=whole(1),
+        help="joint steps (in which both chefs act once) between checkpoints (default: 250000)",
     )
     add_settings(parser.add_argument_group("the training"), config)
     return parser

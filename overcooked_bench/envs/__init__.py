@@ -1,1 +1,1 @@
-"""Environments to train in: thin shells around the kitchen that hold no rule of the game."""
+"""Environments to train in: thin wrappers around `Kitchens` that contain no game rules."""

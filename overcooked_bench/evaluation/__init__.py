@@ -1,1 +1,1 @@
-"""From games to scores: protocols, blocks of episodes, their store, the statistics and what is shown of them."""
+"""Scores agents: protocols, episodes and the database that stores them, statistics, tables and reports."""

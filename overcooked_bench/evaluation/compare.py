@@ -51,7 +51,7 @@ class Difference(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class Comparison(msgspec.Struct, frozen=True):
-    """What `compare` returns.
+    """The result of `compare`.
 
     Attributes:
         metric: How to show the numbers.

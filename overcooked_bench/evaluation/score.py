@@ -1,4 +1,4 @@
-"""The main job: plays an agent with every partner of a protocol and writes down what came of it."""
+"""Scores an agent: plays it with every partner of a protocol and writes the results."""
 
 import platform
 import time
@@ -49,7 +49,7 @@ _PACKAGES: Final = ("overcooked-bench", "numpy", "numba", "torch")
 
 
 class Scored(NamedTuple):
-    """What `score` returns.
+    """The result of `score`.
 
     Attributes:
         scores: The content of score.json; `scores.faults` says what the agent did wrong.
@@ -80,17 +80,17 @@ def score(
 ) -> Scored:
     """Scores an agent and writes score.json, episodes.sqlite, curve.png, report.html and scenarios.json.
 
-    The same folder again continues where it was stopped; score.json is the same, apart from `run`, for any number of
-    workers and any engine, and after any interruption. A fault of the agent ends the block that it is in and no other:
-    it is listed in `Scores.faults`, finished blocks are kept, and the same call plays what is missing.
+    A call with the same folder continues an interrupted run; score.json is the same, apart from `run`, for any number
+    of workers and any engine, and after any interruption. A fault of the agent ends only the block that it is in: it is
+    listed in `Scores.faults`, finished blocks are kept, and the same call plays what is missing.
 
     Args:
         agent: What `find` takes: a name, the path of a submission or of a policy, or a behaviour mapping.
         protocol: A shipped name, a file, or a Protocol.
-        pool: Name or folder of another pool than the protocol's.
+        pool: Name or folder of a pool to play with instead of the protocol's.
         layouts: Some of the protocol's layouts; all by default. Only a score on all of them has an overall value.
         output: The folder; `scores/<agent>-<protocol>` by default.
-        workers: Processes.
+        workers: Number of processes.
         engine: "local", "dask" or "ray".
         seed: Other start states and random streams; scores that are to be compared use 0.
         salt: Replaces the protocol's public salt in every start state, random stream and order of rows; "fresh" draws

@@ -124,7 +124,7 @@ class CategoryScore(msgspec.Struct, frozen=True):
     Attributes:
         category: Its name.
         items: Scenarios from both seats in both mirrors; a pair counts once.
-        passed: Of them.
+        passed: Items that were passed.
         not_attempted: In kitchens that the agent declines; failed.
         families: Families of scenarios.
         share: Mean over families of the share passed; the interval is Wilson's for so many families, or with several

@@ -19,7 +19,7 @@ _KEEP = 1  # disposal: the next frame is drawn over this one
 
 
 def write_gif(path: str | Path, pictures: Iterable[NDArray[np.uint8]], fps: float) -> Path:
-    """Writes pictures of one size as a GIF that repeats forever and rests on its last frame.
+    """Writes pictures of one size as a GIF that repeats forever and pauses on its last frame.
 
     Args:
         path: The file.

@@ -90,7 +90,7 @@ def save_gif(
         layout: The floor plan.
         frames: From `frames_of`.
         tile_size: Pixels.
-        every: Keep each k-th frame, and always the last.
+        every: Keep only every k-th frame, k = `every`, and always the last.
         fps: Frames per second.
         names: Names of the agents on seats 0 and 1.
 
@@ -125,7 +125,7 @@ def save_poster_gif(
         kitchens: Pairs of layout and its frames; the animation ends with the shortest episode.
         columns: Kitchens in a row.
         tile_size: Pixels.
-        every: Keep each k-th frame, and always the last.
+        every: Keep only every k-th frame, k = `every`, and always the last.
         fps: Frames per second.
 
     Returns:
@@ -165,7 +165,7 @@ def play_in_terminal(
         layout: The floor plan.
         frames: From `frames_of`.
         fps: Frames per second; ignored if `out` is not a terminal.
-        every: Show each k-th frame, and always the last.
+        every: Show only every k-th frame, k = `every`, and always the last.
         names: Names of the agents on seats 0 and 1.
         out: Where to write; standard output by default. A terminal that is too small counts as a file.
 

@@ -1,4 +1,4 @@
-"""Cooperation unit tests: short edge cases, each with a verdict that a few frames explain."""
+"""Cooperation unit tests: short edge cases that an agent passes or fails, with a few frames that show why."""
 
 from typing import Final
 

@@ -40,7 +40,7 @@ class Failure(NamedTuple):
     actions: tuple[tuple[int, int], ...]
 
     def run(self) -> Run:
-        """Replays and judges it."""
+        """Replays the run and judges it."""
         return replay(self.situation, self.budget, self.actions)
 
 
@@ -74,7 +74,7 @@ class ItemResult:
 
     @property
     def passed(self) -> bool:
-        """Whether it was."""
+        """Whether the item was passed."""
         return self.status == "passed"
 
     @property
@@ -175,12 +175,12 @@ class SuiteResult:
 
     @property
     def n(self) -> int:
-        """Items."""
+        """Number of items."""
         return len(self.items)
 
     @property
     def passed(self) -> int:
-        """Items that were passed."""
+        """Number of items that were passed."""
         return sum(result.passed for result in self.items)
 
     @cached_property
@@ -195,7 +195,7 @@ class SuiteResult:
 
     @cached_property
     def by_family(self) -> dict[str, Tally]:
-        """Each family."""
+        """The combined result of each family."""
         return tallies("family", [result.to_dict() for result in self.items])
 
     def result(self, item: str) -> ItemResult:

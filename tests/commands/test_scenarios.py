@@ -153,7 +153,7 @@ def test_what_new_begins_stands_the_gates(home, capsys):
     file = home / "X01-mine.scenario.yaml"
     assert load_scenario(file).id == "X01-mine"
     assert scenarios("new", "X01-mine") == 2
-    assert "is there already" in capsys.readouterr().err
+    assert "exists already" in capsys.readouterr().err
     assert scenarios("check", "X01-mine.scenario.yaml", "--film", "--lock") == 0
     shown = capsys.readouterr().out
     for words in ("X01-mine: mergeable: yes", "takes 3 steps, an agent has 9", "a shortest solution, 3 steps"):

@@ -42,7 +42,7 @@ class Games(NamedTuple):
 
 
 class Episodes(NamedTuple):
-    """What `play_episodes` gives.
+    """The returns of the episodes that `play_episodes` played.
 
     Attributes:
         soup_reward: (episodes,) float64, the team's points, 20 for each soup in the classic kitchens.
@@ -67,7 +67,7 @@ def play_episodes(
     Args:
         layout: A shipped name, a grid's text, a `.layout` file or a Layout.
         agents: agents[k] sits on seat k. Two objects: an agent that meets itself is loaded twice.
-        episodes: How many.
+        episodes: Number of episodes.
         seed: Episode i depends on (seed, i) alone.
         cooking: "auto" or "manual".
         start: "random" or "standard".

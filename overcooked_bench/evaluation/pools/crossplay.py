@@ -52,17 +52,17 @@ class CrossPlay(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         schema: Version of this file format.
-        pool: Whose agents.
-        layout: Where.
-        episodes: E.
-        seed: Of the start states and random streams.
-        agents: P.
-        means: (P, P) points an episode; row: the agent on seat 0, column: the one on seat 1.
+        pool: The pool of the agents.
+        layout: The layout that was played.
+        episodes: E, the number of episodes per cell.
+        seed: Seed of the start states and random streams.
+        agents: The P agents, in the order of rows and columns.
+        means: (P, P) points per episode; row: the agent on seat 0, column: the one on seat 1.
         errors: (P, P) their standard errors over episodes.
         self_play: Mean of the diagonal.
         cross_play: Mean over pairs of different lineages.
-        ratio: Cross-play by self-play; None where self-play brings nothing.
-        units: Independent agents, lineages.
+        ratio: `cross_play` divided by `self_play`; None if self-play scores nothing.
+        units: Number of independent agents, which is the number of lineages.
     """
 
     schema: int
@@ -129,9 +129,9 @@ def choose(pool: Pool, layout: str, patterns: Sequence[str] = (), checkpoints: b
     """Chooses agents of a layout.
 
     Args:
-        pool: Whose.
-        layout: Where.
-        patterns: Names, `*` and `?` stand for anything; all by default.
+        pool: The pool of the agents.
+        layout: The layout to play.
+        patterns: Names of agents, with the wildcards `*` and `?`; all agents by default.
         checkpoints: Whether to take all of a lineage, in place of the one with most training.
 
     Raises:
@@ -173,11 +173,11 @@ def cross_play(
     A pair meets the same start states with its seats exchanged.
 
     Args:
-        pool: Whose agents.
-        layout: Where.
-        agents: Who; by default what `choose` gives.
-        episodes: E, two at least.
-        seed: Of start states and random streams.
+        pool: The pool of the agents.
+        layout: The layout to play.
+        agents: The agents to pair; by default what `choose` returns.
+        episodes: E, at least two.
+        seed: Seed of the start states and random streams.
         horizon: Steps of an episode.
         workers: Processes.
         engine: "local", "dask" or "ray".
