@@ -45,6 +45,7 @@ def test_an_agent_does_not_differ_from_itself(pair):
             assert one.difference.interval in (None, (0, 0))
 
 
+@pytest.mark.slow
 def test_training_seeds_are_independent_samples(tmp_path, protocol):
     scores = [
         score(write_agent(tmp_path / f"{n}.py", training_seeds=n), protocol, output=tmp_path / str(n)).scores
@@ -56,6 +57,7 @@ def test_training_seeds_are_independent_samples(tmp_path, protocol):
     assert "Welch intervals over 2 and 3 training seeds" in found.interval
 
 
+@pytest.mark.slow
 def test_one_run_against_several_has_no_interval(tmp_path, pair, protocol):
     one, several = (
         score(write_agent(tmp_path / f"{n}.py", training_seeds=n), protocol, output=tmp_path / str(n)).scores
