@@ -1,7 +1,7 @@
-r"""YAML and JSON from files that nobody vouches for: plain values, bounded in size, depth and numbers.
+r"""Parses YAML and JSON from untrusted files: plain values, bounded in size, depth and numbers.
 
-YAML is read from PyYAML's events, so nothing is built before it was checked: no tags, no references (`&`, `*`, `<<`),
-no key twice, no control characters, no infinite or huge numbers, one mapping per file. Errors name file and line.
+YAML is read from PyYAML's events, so nothing is built before it is checked: no tags, no references (`&`, `*`, `<<`),
+no duplicate keys, no control characters, no infinite or huge numbers, one mapping per file. Errors name file and line.
 """
 
 import math
@@ -51,7 +51,7 @@ class Document:
     Attributes:
         where: The file's name, for messages.
         data: The top mapping.
-        lines: The line of each key, list entry and value, from 1; of a text over several lines, of its first.
+        lines: The line of each key, list entry and value, from 1; the first line of a text over several lines.
         raises: The class of the errors.
     """
 
@@ -61,11 +61,11 @@ class Document:
     raises: type[WrongUse] = DocumentError
 
     def error(self, path: Steps, message: str, offset: int = 0) -> WrongUse:
-        """Makes an error that names the line of a value, or of the nearest thing above it that is there.
+        """Makes an error that names the line of a value, or of the nearest value above it that exists.
 
         Args:
             path: The value.
-            message: What is wrong, and what to write instead.
+            message: The mistake, and what to write instead.
             offset: Lines below.
         """
         while path and path not in self.lines:
@@ -84,7 +84,7 @@ class Document:
             raise self._misfit(str(error), kind) from None
 
     def _misfit(self, error: str, kind: type) -> WrongUse:
-        """Says a msgspec message in the words of the file, with the line of the key that it is about."""
+        """Rewrites a msgspec message in the words of the file, with the line of the key concerned."""
         message, _, place = error.partition(" - at ")
         path = tuple(int(index) if index else name for name, index in re.findall(r"\.(\w+)|\[(\d+)\]", place))
         known = _fields(kind, path)
@@ -100,7 +100,7 @@ class Document:
 
 
 def _fields(kind: type, path: Steps) -> tuple[str, ...]:
-    """Returns the keys of the struct at a path; none where it is something else."""
+    """Returns the keys of the struct at a path; none if it is something else."""
     for step in path:
         hints = get_type_hints(kind) if hasattr(kind, "__struct_fields__") else {}
         kind = hints.get(str(step), object)
@@ -138,7 +138,7 @@ def parse_yaml(text: str, where: str, raises: type[WrongUse] = DocumentError) ->
 
 
 class _Reader:
-    """Turns events into plain values and notes their lines."""
+    """Turns events into plain values and records their lines."""
 
     def __init__(self, loader: "yaml.SafeLoader", where: str, raises: type[WrongUse]) -> None:
         self.lines: dict[Steps, int] = {(): 1}
@@ -240,7 +240,7 @@ def parse_json(data: bytes | str, where: str, kind: type[T], raises: type[WrongU
     Args:
         data: The content, UTF-8.
         where: The file's name, for messages.
-        kind: What it is to be; `Any` for plain values.
+        kind: The type to parse into; `Any` for plain values.
         raises: The class of the errors.
 
     Raises:

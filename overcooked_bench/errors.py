@@ -1,4 +1,4 @@
-"""The errors that are ours, in one tree.
+"""The errors of this package, in one tree.
 
     OvercookedBenchError
     ├── WrongUse      the user gave something that cannot be used (exit code 2)

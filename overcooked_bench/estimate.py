@@ -95,8 +95,8 @@ def wilson(passed: float, n: int) -> Estimate:
     """Computes a share and its Wilson interval.
 
     Args:
-        passed: How many passed; also a fraction, if families count in part.
-        n: Of how many; with 0 nothing is known.
+        passed: Number that passed; may be fractional, if families count in part.
+        n: Total number; with 0 the interval is [0, 1].
 
     Source: Wilson 1927, "Probable inference, the law of succession, and statistical inference".
     """
@@ -109,7 +109,7 @@ def wilson(passed: float, n: int) -> Estimate:
 
 
 def student(freedom: float) -> float:
-    """Returns the factor of a two-sided 95 % interval for so many degrees of freedom."""
+    """Returns the factor of a two-sided 95 % interval for a number of degrees of freedom."""
     from scipy.special import stdtrit  # scipy.stats takes far longer to import
 
     return float(stdtrit(freedom, (1 + CONFIDENCE) / 2))

@@ -1,4 +1,4 @@
-"""Reading and writing files that may be damaged, hostile or interrupted."""
+"""Reads and writes files safely, even if they are damaged, hostile or interrupted."""
 
 import os
 import re
@@ -9,7 +9,7 @@ from typing import Final
 from overcooked_bench.errors import WrongUse
 
 NAME: Final = r"[A-Za-z0-9][A-Za-z0-9_.-]{0,99}"
-"""What a name that becomes part of a path looks like: it cannot leave its folder, nor hide in it."""
+"""The form of names that become part of a path: they cannot leave their folder, nor be hidden in it."""
 
 _PART: Final = 1 << 20  # bytes
 
@@ -21,13 +21,13 @@ class FileError(WrongUse):
 def read_regular(
     path: str | Path, most_bytes: int, *, raises: type[WrongUse] = FileError, follow_links: bool = True
 ) -> bytes:
-    """Reads a regular file without ever waiting for a device or filling the memory.
+    """Reads a regular file, without waiting for a device or filling the memory.
 
     Args:
         path: The file.
-        most_bytes: Longest content that is read.
+        most_bytes: Greatest size that is read.
         raises: The class of the errors.
-        follow_links: Whether a symbolic link may stand at the end of the path.
+        follow_links: Whether the path may be a symbolic link.
 
     Raises:
         WrongUse: Of the class `raises`: the file is missing, unreadable, too large, or a folder, pipe or device.
@@ -90,7 +90,7 @@ def check_name(name: str, what: str, raises: type[WrongUse] = FileError) -> str:
 
     Args:
         name: As the file says.
-        what: What is named, for the message: "manifest.json: the pool's name".
+        what: The thing that is named, for the message: "manifest.json: the pool's name".
         raises: The class of the error.
 
     Raises:
@@ -104,12 +104,12 @@ def check_name(name: str, what: str, raises: type[WrongUse] = FileError) -> str:
 
 
 def is_file(path: str | Path) -> bool:
-    """Returns whether a path leads to a file; False too for what cannot be a path at all."""
+    """Returns whether a path leads to a file; False for text that cannot be a path."""
     return os.path.isfile(path)
 
 
 def shown(text: object, most: int = 200) -> str:
-    """Returns a text as messages may print it: cut where it is long, control characters escaped."""
+    """Returns a text that messages can print: shortened if it is long, with control characters escaped."""
     whole = str(text)
     cut = whole if len(whole) <= most else whole[: most - 1] + "…"
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in cut)

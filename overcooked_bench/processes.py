@@ -1,8 +1,7 @@
-"""How processes of ours begin and end: they follow their parent, and SIGTERM is Ctrl-C.
+"""Starts and stops processes: they end with their parent, and SIGTERM acts like Ctrl-C.
 
-A process that is started here computes on one thread, never runs the user's own script again, and is deaf to Ctrl-C and
-SIGTERM, which reach its parent alone; the parent passes on what it likes. It ends when its parent has died, however
-that happened.
+A process that is started here computes on one thread, never runs the user's own script again, and ignores Ctrl-C and
+SIGTERM, which only its parent handles and may pass on. It ends when its parent has died, for whatever reason.
 """
 
 import multiprocessing
@@ -25,9 +24,9 @@ def start_process(function: Callable[..., object], *arguments: Any, name: str) -
     """Starts a process that calls a function.
 
     Args:
-        function: Importable by name; it calls `follow_parent` first.
+        function: A function that can be imported by name; it calls `follow_parent` first.
         arguments: Its arguments, picklable.
-        name: Shown in messages of `multiprocessing`.
+        name: The process's name in messages of `multiprocessing`.
     """
     with hold_stops(), _quietly():
         process = multiprocessing.get_context("spawn").Process(target=function, args=arguments, name=name)
@@ -36,10 +35,10 @@ def start_process(function: Callable[..., object], *arguments: Any, name: str) -
 
 
 def follow_parent(end: signal.Signals) -> None:
-    """Makes this process a group of its own, which gets a signal when the parent has died.
+    """Puts this process into its own group, which gets a signal when the parent has died.
 
     Args:
-        end: SIGINT to stop as Ctrl-C does, SIGKILL to end at once.
+        end: SIGINT to stop like Ctrl-C, SIGKILL to end immediately.
     """
     parent = multiprocessing.parent_process()
     assert parent is not None
@@ -54,7 +53,7 @@ def follow_parent(end: signal.Signals) -> None:
 
 
 def kill_group(pid: int, how: signal.Signals) -> None:
-    """Sends a signal to a process that called `follow_parent`, and to all that it has started."""
+    """Sends a signal to a process that called `follow_parent`, and to all processes that it has started."""
     with suppress(ProcessLookupError, PermissionError):
         if hasattr(os, "killpg"):
             os.killpg(pid, how)
@@ -63,7 +62,7 @@ def kill_group(pid: int, how: signal.Signals) -> None:
 
 
 def listen() -> None:
-    """Takes Ctrl-C and SIGTERM in a process of `start_process` from now on, those that came before too."""
+    """Handles Ctrl-C and SIGTERM in a process of `start_process` from now on, pending ones included."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGTERM, _press_ctrl_c)
     if hasattr(signal, "pthread_sigmask"):
@@ -72,7 +71,7 @@ def listen() -> None:
 
 @contextmanager
 def sigterm_as_ctrl_c() -> Iterator[None]:
-    """Does at SIGTERM what Ctrl-C does at that moment; without effect outside the main thread."""
+    """Makes SIGTERM act like Ctrl-C; has no effect outside the main thread."""
     try:
         before = signal.signal(signal.SIGTERM, _press_ctrl_c)
     except ValueError:
@@ -90,11 +89,11 @@ def _press_ctrl_c(*_: object) -> None:
 
 @contextmanager
 def hold_stops() -> Iterator[None]:
-    """Keeps Ctrl-C and SIGTERM waiting for a moment; a process that is started meanwhile is deaf until it listens."""
+    """Holds Ctrl-C and SIGTERM back for a moment; a process that is started meanwhile ignores them until it listens."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    resource_tracker.ensure_running()  # else it starts with the process, and lets signals through
+    resource_tracker.ensure_running()  # otherwise it starts with the process, and lets signals through
     before = signal.pthread_sigmask(signal.SIG_BLOCK, _STOPS)
     try:
         yield
@@ -104,7 +103,7 @@ def hold_stops() -> Iterator[None]:
 
 @contextmanager
 def _quietly() -> Iterator[None]:
-    """Sets up what else a new process inherits: one thread, and no script to run."""
+    """Sets up the rest that a new process inherits: one thread, and no script to run."""
     environment, script = {name: os.environ.get(name) for name in _ONE_THREAD}, sys.modules["__main__"]
     try:
         os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))

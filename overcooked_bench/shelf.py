@@ -1,4 +1,4 @@
-"""Names that are looked up: what ships under a name, a path in its place, and a guess at what was meant."""
+"""Looks names up: files that ship under a name, paths instead of names, and a guess at what was meant."""
 
 import difflib
 from collections.abc import Iterable
@@ -19,8 +19,8 @@ def guess(given: object, known: Iterable[str], most: int = 1, cutoff: float = 0.
     Args:
         given: What was written.
         known: The names that exist.
-        most: How many guesses to give.
-        cutoff: How near a guess has to be, from 0 to 1, as in `difflib.get_close_matches`.
+        most: Number of guesses at most.
+        cutoff: Least similarity of a guess, from 0 to 1, as in `difflib.get_close_matches`.
     """
     near = difflib.get_close_matches(str(given)[:_LONGEST], list(known), n=most, cutoff=cutoff)
     return f"did you mean {' or '.join(map(repr, near))}? " if near else ""
@@ -28,15 +28,15 @@ def guess(given: object, known: Iterable[str], most: int = 1, cutoff: float = 0.
 
 @dataclass(frozen=True)
 class Shelf:
-    """A folder of the package whose files ship under names, where a path will do too.
+    """A folder of the package whose files ship under names; a path can be given instead of a name.
 
     Attributes:
-        what: What stands there, for messages: "protocol".
+        what: The kind of its files, for messages: "protocol".
         package: The package that holds the folder.
-        suffix: What follows a name: ".yaml", or "/manifest.json" where each name is a folder that holds that file.
+        suffix: Suffix of the names: ".yaml", or "/manifest.json" if each name is a folder that contains that file.
         raises: The class of the error.
-        path: What a path leads to, for messages: "a YAML file".
-        folder: Below the package.
+        path: The kind of file at a path, for messages: "a YAML file".
+        folder: Folder within the package.
         first: Names that are listed first, in this order.
     """
 
@@ -60,7 +60,7 @@ class Shelf:
         return *self.first, *sorted(found - set(self.first))
 
     def file(self, source: str | Path) -> Path | None:
-        """Returns the file of a name of `names()` or of a path (of a folder where names are folders); else None."""
+        """Returns the file of a name of `names()` or of a path (of a folder if names are folders); else None."""
         if str(source) in self.names():
             return self.home / f"{source}{self.suffix}"
         given = Path(f"{source}{self.suffix}" if self.suffix.startswith("/") else source)
@@ -70,7 +70,7 @@ class Shelf:
         """Returns the file of a name or a path.
 
         Raises:
-            WrongUse: Of the class `raises`: there is no such name or path; says which names there are.
+            WrongUse: Of the class `raises`: there is no such name or path; lists the names.
         """
         found = self.file(source)
         if found is None:

@@ -1,4 +1,4 @@
-"""Conformance checks for your own test suite: does an agent, a submission or a layout keep what scoring relies on?
+"""Conformance checks for your own test suite: whether an agent, a submission or a layout can be scored.
 
 Each check returns None or raises `CheckFailed`, an AssertionError that says what went wrong and what to do about it.
 
@@ -54,8 +54,8 @@ def check_agent(agent: Agent | Reference, layout: str = "cramped_room", steps: i
 
     - it has `observation`, `reset` and `act`, and every answer is one action per row;
     - a row plays the same whatever else is in the batch, and wherever in it;
-    - a row's play depends on its seed, its seat and what it sees alone: not on global generators of random numbers, nor
-      on episodes that were played before.
+    - a row's play depends only on its seed, its seat and what it sees: not on global random number generators, nor on
+      earlier episodes.
 
     Args:
         agent: The agent, or what `load_agent` takes.
@@ -161,8 +161,8 @@ class _Play:
     """Plays chosen rows of one fixed set of episodes: start states, seats, seeds and the partner's actions.
 
     Args:
-        agent: Who plays.
-        layout: Where.
+        agent: The agent.
+        layout: The layout.
         steps: T.
     """
 
