@@ -62,6 +62,7 @@ def test_a_batch_draws_every_kitchen():
 
 
 def test_a_video_is_recorded(tmp_path):
+    pytest.importorskip("moviepy")
     env = RecordVideo(gym.make(NAME, render_mode="rgb_array", horizon=3), str(tmp_path / "video"), disable_logger=True)
     env.reset(seed=0)
     for _ in range(3):

@@ -14,6 +14,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from overcooked_bench.baselines.learning.algorithms import make_learner
 from overcooked_bench.baselines.learning.learner import Learner
 from overcooked_bench.baselines.presets import load_config
+from overcooked_bench.baselines.running.place import Place
 from overcooked_bench.baselines.running.run import make_env, run
 from overcooked_bench.baselines.running.seeds import USER, derive_seed
 from overcooked_bench.baselines.self_play import METHOD
@@ -63,14 +64,8 @@ def make(seed: int) -> Learner:
 
 with tempfile.TemporaryDirectory() as folder:
     try:
-        run(
-            settings,
-            METHOD,
-            Path(folder),
-            derive_seed(USER, ASKED["layout"], METHOD, ASKED["seed"]),
-            make,
-            callbacks=[watch],
-        )
+        seed = derive_seed(USER, ASKED["layout"], METHOD, ASKED["seed"])
+        run(settings, METHOD, Place(Path(folder), seed), make, callbacks=[watch])
     except Reached:
         reached = True
 print(
