@@ -160,7 +160,7 @@ def test_what_is_not_found_is_answered_with_a_guess(reference, message):
 
 @pytest.mark.slow
 def test_every_kind_is_scored_trained_with_and_sat_beside(references, tmp_path):
-    protocol = read_protocol(protocol_text(partners=["stay"], floors=[], episodes=1, horizon=5), "p.yaml")
+    protocol = read_protocol(protocol_text(episodes=1, horizon=5), "p.yaml")
     for number, (reference, _, _) in enumerate(references):
         scores, *_ = score(reference, protocol, output=tmp_path / f"out-{number}")
         assert scores.agent.sha256 == find(reference).sha256

@@ -259,6 +259,6 @@ def test_a_function_of_a_file_is_named_after_a_colon(tmp_path):
     file.write_text(
         "from tests.scenarios.players import Player\ndef cook(layout, training_seed):\n    return Player()\n"
     )
-    assert isinstance(find(f"{file}:cook").make("cramped_room", 0), Player)
+    assert find(f"{file}:cook").make("cramped_room", 0).observation == Player.observation
     with pytest.raises(AgentError, match="defines no waiter"):
         find(f"{file}:waiter")
