@@ -142,6 +142,16 @@ def _scenarios() -> Iterator[Line]:
         yield Line(category, f"{len(ids)} scenarios; see `overcooked-bench scenarios list {category}`", ids)
 
 
+def _metrics() -> Iterator[Line]:
+    from inspect import getdoc, getmodule
+
+    from overcooked_bench.evaluation.metric import find_metrics
+
+    for metric in find_metrics():
+        opening = (getdoc(getmodule(metric.per_repetition)) or "").partition("\n")[0]
+        yield _line(metric.facts.name, f"{metric.facts.unit}: {opening}")
+
+
 KINDS: Final[dict[str, Callable[[], Iterator[Line]]]] = {
     "layouts": _layouts,
     "agents": _agents,
@@ -151,6 +161,7 @@ KINDS: Final[dict[str, Callable[[], Iterator[Line]]]] = {
     "methods": _methods,
     "configurations": _configurations,
     "scenarios": _scenarios,
+    "metrics": _metrics,
 }
 """What is listed, and where it comes from."""
 
