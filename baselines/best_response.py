@@ -1,4 +1,4 @@
-"""Best response: one learner against partners that stay as they are, to it a part of the environment.
+"""Best response: one learner trained with fixed partners, which are part of its environment.
 
 Source: thesis, 7.1.1 (the single-agent view: the partner's sampled actions make the environment stochastic). Partners
 share out the parallel kitchens evenly; frozen policies of one architecture act in one stacked forward.

@@ -1,8 +1,8 @@
-"""Biased self-play: each chef is also paid for events of its own, by weights that each run draws.
+"""Biased self-play: each chef is also rewarded for its own events, with weights drawn for each run.
 
-The agents come out with habits: they like or avoid onions, dishes, counters. They make partners, not scores. What the
-events pay grows while partial rewards fade, lest who is to avoid dishes never learns to serve; a run that hardly
-delivers all the same begins anew with another seed and other weights.
+The agents come out with habits: they like or avoid onions, dishes, counters. They make partners, not scores. Event
+rewards grow while partial rewards are annealed, so that an agent that is to avoid dishes still learns to serve; a run
+that still delivers hardly any soups is restarted with a new seed and new weights.
 
 Source: Yu et al. 2023, hidden-utility self-play (HSP), whose biased policies are self-play agents under event-weighted
 rewards. Events, weights and their growth are our own: a liked event pays less than a soup brings in the time it takes.

@@ -1,4 +1,4 @@
-"""The training methods by the names that the command line has for them."""
+"""The training methods by their names on the command line."""
 
 from importlib import import_module
 from types import ModuleType

@@ -153,7 +153,7 @@ def pairwise(files: list[PolicyFiles], config: Config) -> NDArray[np.float64]:
     """Lets all pairs play, both seats.
 
     Returns:
-        (A, A) mean points of a pair: soups, and partial rewards by a tenth, which tell agents apart before any soup.
+        (A, A) mean points per pair: soups, and partial rewards by a tenth, which separate agents before any soup.
     """
     scores = np.zeros((len(files), len(files)))
     policies = loaded(files)

@@ -1,9 +1,9 @@
 """The thesis's own method: agents trained one by one against a population that each of them then joins, and two finals.
 
-Source: thesis, chapter 7. Decided where it is silent: the initial agents are chosen by a rule (`choose`) in place of by
+Source: thesis, chapter 7. Decided where it is silent: the initial agents are chosen by a rule (`choose`) instead of by
 hand; the partners are drawn without replacement for each episode and share out the kitchens evenly; the divergence is
 averaged over the whole population that the agent is trained against; every schedule keeps its share of the steps where
-an agent is trained for longer; the pressure's reward is not annealed. All configurations of one seed share their
+an agent is trained for longer; the diversity reward is not annealed. All configurations of one seed share their
 initial agents where they share `--initial`.
 """
 
@@ -67,7 +67,7 @@ class Config(PartnerSettings):
     loss_clip: float = 0.0
     """Upper bound of that term per sample."""
     development: str = "dev-v1"
-    """Pool or partner whose returns with the candidates tell how much these differ; never the pool that scores."""
+    """Pool or partner whose returns with the candidates measure how much they differ; never the pool that scores."""
     initial: Path | None = None
     """Folder of the candidates, shared by all configurations of one seed; by default next to the run's folder."""
 
@@ -122,13 +122,13 @@ class _Chosen(msgspec.Struct):
 def train(config: Config, place: Place) -> Outcome | None:
     """Trains the population and the finals; the outcome is the first final's, `final-1` is trained without initials.
 
-    See `run` for errors. Each agent lies in a folder of its own under `output`.
+    See `run` for errors. Each agent has its own folder under `output`.
     """
     try:
         development = partner_names((config.development,), config)
     except PoolError as error:
         raise PoolError(f"{error}; or choose other development partners by --development") from error
-    load_partners(development, config)  # before any training, lest a slip in them comes out late
+    load_partners(development, config)  # before any training, so that a mistake in them shows at once
     claim(place, config, METHOD)
     output = place.folder
     initial = config.initial or output.parent / f"initial-{label(config.layout)}-{place.seed}"

@@ -1,4 +1,4 @@
-"""One training run from settings to its summary: what `overcooked-bench train` does after it has parsed."""
+"""One training run from settings to its summary: what `overcooked-bench train` does after parsing its arguments."""
 
 from pathlib import Path
 from typing import Final

@@ -1,7 +1,7 @@
-"""Builds a pool from its configuration: trains what is missing, many runs side by side, and goes on after any stop.
+"""Builds a pool from its configuration: trains the missing agents in parallel and resumes after any stop.
 
-A run has a folder of its own, in which it is resumed; its agents, with their entries, lie there when it has ended. They
-are then copied into the pool, and the manifest is written anew, whole or not at all. What the pool holds is not trained
+Each run has its own folder, in which it is resumed; when it has ended, the folder holds its agents and their entries.
+They are then copied into the pool, and the manifest is rewritten atomically. What the pool holds is not trained
 again; what comes out depends on the configuration alone, not on stops, processes or order.
 """
 
@@ -42,7 +42,7 @@ _SAID_ELSEWHERE: Final = ("layout", "seed", "method", "training_seed")  # in the
 
 
 class PoolBuildError(WrongUse):
-    """What lies in a folder does not belong to this pool's configuration; says what to write instead."""
+    """A folder's content does not belong to this pool's configuration; the message says what to write instead."""
 
 
 class _Kept(msgspec.Struct):

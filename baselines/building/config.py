@@ -1,4 +1,4 @@
-"""What a pool is to consist of: `configs/pools/<name>.yaml`, groups of training runs and which of their agents enter.
+"""The configuration of a pool: `configs/pools/<name>.yaml`, groups of training runs and which of their agents enter.
 
 Every agent of the pool follows from the file: its name, its layout, its training seed and all settings.
 """
@@ -207,12 +207,12 @@ class Run:
 
     @property
     def path(self) -> str:
-        """Where the run lies among the pool's runs."""
+        """The run's folder, relative to the pool's runs."""
         return f"{self.layout}/{self.group.prefix}-{self.index}"
 
     @property
     def lineage(self) -> str:
-        """What all its agents share, and no other agent has."""
+        """The lineage that all agents of this run share, and no other agent has."""
         return f"{self.pool.namespace}/{self.layout}/{self.name}"
 
     @property

@@ -1,4 +1,4 @@
-"""The queue behind `overcooked-bench pool build`: training runs side by side, each in a process of its own.
+"""The queue behind `overcooked-bench pool build`: parallel training runs, each in its own process.
 
 The first Ctrl-C (or SIGTERM) lets every run finish its update, saves, and stops; the second one ends them at once. Runs
 whose queue was killed notice it and stop by themselves. What a run prints is in `log.txt` in its folder.

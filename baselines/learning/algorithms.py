@@ -1,4 +1,4 @@
-"""The algorithms of stable-baselines3 that a best response can be learned by, with settings that suit the kitchens.
+"""The algorithms of stable-baselines3 that can train a best response, with settings that suit the kitchens.
 
 `ppo` is our `Learner`; `a2c` and `dqn` are SB3's own classes, unchanged, over the same trunk.
 """

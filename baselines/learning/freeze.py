@@ -1,4 +1,4 @@
-"""From a trained policy to a frozen one: its files, and what it reaches."""
+"""Freezes a trained policy: writes its files and measures its returns."""
 
 from pathlib import Path
 from typing import Any, Final

@@ -1,4 +1,4 @@
-"""PPO of stable-baselines3 with its two loops written anew: rows kept compact, one pass for a whole batch, and a hook.
+"""PPO of stable-baselines3 with both loops rewritten: compact rows, one forward pass per batch, and a hook.
 
 What is learned is SB3's PPO; only how the batch is stored, shuffled and fed differs (`collect_rollouts`, `train`), and
 that a `Pressure` may change the rewards of a finished rollout and add a term to the loss.
@@ -30,7 +30,7 @@ class Batch(NamedTuple):
         log_probs: (M,) of these actions when they were taken.
         advantages: (M,).
         returns: (M,) what the critic should have said.
-        others: (M, 6) mean log-probabilities of the population, or (M, 0) without pressure.
+        others: (M, 6) mean log-probabilities of the population, or (M, 0) without a diversity bonus.
     """
 
     seen: torch.Tensor
@@ -92,7 +92,7 @@ class Learner(PPO):
     """PPO for a `TrunkPolicy`.
 
     Attributes:
-        pressure: What pushes the policy away from a population, or None.
+        pressure: The diversity bonus, or None.
     """
 
     policy: TrunkPolicy
@@ -163,7 +163,7 @@ class Learner(PPO):
         self.logger.record("train/clip_range", clip)
 
     def loss(self, batch: Batch, clip: float) -> tuple[torch.Tensor, dict[str, torch.Tensor]]:
-        """Computes PPO's loss, with the term of the pressure.
+        """Computes PPO's loss, with the diversity bonus.
 
         Args:
             batch: A minibatch.

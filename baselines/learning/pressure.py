@@ -1,4 +1,4 @@
-"""The pressure towards diversity: how far a policy is from a population, as a reward and as a term of the loss.
+"""The diversity bonus: a policy's divergence from a population, as a reward and as a term of the loss.
 
 Source: thesis, 7.2.2 and Tables 7.1 and 7.2. The divergence is D_KL(trained || member), natural logarithm, averaged
 over the members, on the same state; it is to be maximised.
@@ -45,7 +45,7 @@ def member_logs(members: Sequence[Policy], observations: Callable[[int, int], to
 
     Args:
         members: K policies of one observation, of any architectures.
-        observations: Gives the whole observations of the samples from one index up to another, float32.
+        observations: Returns the whole observations of the samples from one index up to another, float32.
         size: B.
 
     Returns:

@@ -17,7 +17,7 @@ _RANGES: Final = (
     (("learning_rate", "clip", "max_grad_norm"), 1e-12, 1e12, "a number above 0"),
     (_FROM_0, 0, 1e12, "a number from 0"),
 )
-"""Settings, the least and the most that they may be, and the same in words."""
+"""Groups of settings with their bounds, and the bounds in words."""
 
 
 class SettingsError(WrongUse):
@@ -35,7 +35,7 @@ class Settings:
     steps: int = 1_000_000
     """Joint steps of training."""
     num_kitchens: int = 64
-    """Kitchens that are played in parallel."""
+    """Number of kitchens that run in parallel."""
     rollout: int = 200
     """Steps of each kitchen between updates."""
     epochs: int = 4
@@ -43,9 +43,9 @@ class Settings:
     minibatches: int = 16
     """Minibatches per epoch."""
     learning_rate: float = 2e-3
-    """Learning rate of Adam at the start; it changes linearly."""
+    """Adam's initial learning rate, annealed linearly."""
     learning_rate_end: float = 0.0
-    """Learning rate of Adam at the end."""
+    """Adam's final learning rate."""
     gamma: float = 0.99
     """Discount factor per step."""
     gae_lambda: float = 0.95
@@ -53,21 +53,22 @@ class Settings:
     clip: float = 0.2
     """PPO's clipping range."""
     value_coefficient: float = 0.05
-    """Weight of the value loss; at 0.5 its gradient dominates the shared clipping, and the actor hardly learns."""
+    """Value-loss coefficient. At 0.5 the value gradient dominates the jointly clipped gradient and the policy barely
+    learns."""
     max_grad_norm: float = 0.5
-    """Norm that gradients are clipped to."""
+    """Gradient-norm clipping threshold."""
     entropy_start: float = 0.03
-    """Coefficient of the entropy bonus at the start; changes linearly."""
+    """Initial entropy coefficient, annealed linearly."""
     entropy_end: float = 0.01
-    """Coefficient of the entropy bonus at the end."""
+    """Final entropy coefficient."""
     entropy_share: float = 1.0
-    """Share of the steps after which the entropy coefficient has reached its end value."""
+    """Share of the steps over which the entropy coefficient is annealed."""
     shaping_share: float = 2 / 3
     """Share of the steps over which the weight of partial rewards is annealed linearly from 1 to 0."""
     network: Literal["mlp", "cnn"] = "mlp"
-    """Fully connected layers, or three convolutions before them."""
+    """mlp: fully connected layers; cnn: three convolutions, then fully connected layers."""
     hidden: tuple[int, ...] = (64, 64)
-    """Width of the layers that actor and critic share."""
+    """Widths of the fully connected layers that actor and critic share."""
     filters: int = 25
     """Filters of each convolution (network cnn)."""
     previous: int = 16
@@ -81,14 +82,14 @@ class Settings:
     object_probability: float = 0.0
     """Chance of each pot and each pair of hands to be filled at the start."""
     horizon: int = 400
-    """Steps of an episode."""
+    """Steps per episode."""
     check_share: float = 0.0
     """Share of the steps after which a run that delivers fewer than `check_soups` soups is restarted with a derived
     seed; 0 switches the check off."""
     check_soups: float = 3.0
     """Mean soups per episode below which the check restarts a run."""
     restarts: int = 3
-    """Most restarts; the last attempt continues whatever the check finds."""
+    """Maximum number of restarts; the last attempt continues whatever the check finds."""
     snapshots: tuple[float, ...] = ()
     """Shares of the steps, such as 0.5, at which the policy is also saved."""
     threads: int = 1
@@ -97,7 +98,7 @@ class Settings:
     """Device that torch trains on."""
 
     def __post_init__(self) -> None:
-        """Refuses what PPO cannot be run with.
+        """Refuses settings that PPO cannot run with.
 
         Raises:
             SettingsError: Names the setting and what it may be.
@@ -120,9 +121,9 @@ class Settings:
                 f"minibatches={self.minibatches}; give a divisor of the {rows} steps of {self.learners} in an update"
             )
         seen = find_observation(self.observation)
-        known = isinstance(self.layout, str) and self.layout  # a form that is still to be filled in has no layout
+        known = isinstance(self.layout, str) and self.layout  # a blank template has no layout
         if self.network == "cnn" and known and len(seen.shape(Layout.load(self.layout))) < 3:
-            raise SettingsError(f"observation={self.observation!r} is no grid; give network='mlp', or a grid")
+            raise SettingsError(f"observation={self.observation!r} is not a grid; give network='mlp', or a grid")
         if not self.hidden or min(self.hidden) < 1:
             raise SettingsError(f"hidden={self.hidden}; give the width of each layer, from 1")
         if any(not 0 <= share < 1 for share in self.snapshots):
@@ -130,7 +131,7 @@ class Settings:
 
     @property
     def learning_seats(self) -> int:
-        """Chefs of a kitchen whose experience is learned from."""
+        """Number of chefs per kitchen whose experience trains the policy."""
         return 2
 
     @property
@@ -140,7 +141,7 @@ class Settings:
 
     @property
     def learners(self) -> str:
-        """The same in words."""
+        """The learning chefs in words, for messages."""
         return "both chefs" if self.learning_seats == 2 else "the learner"
 
     def shaping_at(self, done: int) -> float:
@@ -148,7 +149,7 @@ class Settings:
         return 1 - self._passed(done, self.shaping_share)
 
     def event_share_at(self, done: int) -> float:
-        """Returns the share of what events pay besides, after `done` joint steps."""
+        """Returns the weight of the event rewards after `done` joint steps."""
         return 1.0
 
     def entropy_at(self, done: int) -> float:
@@ -156,9 +157,9 @@ class Settings:
         return self.entropy_start + (self.entropy_end - self.entropy_start) * self._passed(done, self.entropy_share)
 
     def learning_rate_at(self, left: float) -> float:
-        """Returns the learning rate where the share `left` of the steps is left, as stable-baselines3 counts them.
+        """Returns the learning rate when the share `left` of the steps remains, as stable-baselines3 counts them.
 
-        The last rollout may end after `steps`, with less than nothing left.
+        The last rollout may end after `steps`, which makes `left` negative.
         """
         return self.learning_rate_end + (self.learning_rate - self.learning_rate_end) * max(0.0, left)
 
@@ -184,8 +185,8 @@ def check_draws(per_episode: int, num_kitchens: int, least: int = 1) -> None:
 class PartnerSettings(Settings):
     """Settings of a learner on one seat, with a partner of the environment on the other.
 
-    A joint step gives one sample, half of what it gives in self-play, so there are twice as many, and a rollout is a
-    whole episode.
+    A joint step gives one sample, half of what it gives in self-play, so training takes twice as many; a
+    rollout is a whole episode.
     """
 
     steps: int = 2_000_000
@@ -195,5 +196,5 @@ class PartnerSettings(Settings):
 
     @property
     def learning_seats(self) -> int:
-        """One: the other chef is a partner's."""
+        """One: a partner plays the other chef."""
         return 1

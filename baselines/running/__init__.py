@@ -1,1 +1,1 @@
-"""Training runs: where they are written, how they stop and resume, what comes of them."""
+"""Training runs: where they are written, how they stop and resume, their results."""

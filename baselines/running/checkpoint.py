@@ -1,4 +1,4 @@
-"""Checkpoints of a run that it can go on from as if nothing had happened.
+"""Checkpoints of a run from which it resumes exactly.
 
 One file of tensors and plain values, written whole or not at all and read with `weights_only=True`. SB3's own save and
 load are not used: they unpickle, and they leave out the environment and the random states.
@@ -80,13 +80,13 @@ def load_checkpoint(
     config: dict[str, Any],
     before: Callable[[int], None] = lambda joint_steps: None,
 ) -> dict[str, Any]:
-    """Brings a freshly made learner to where a checkpoint was written.
+    """Restores a new learner to the state of a checkpoint.
 
     Args:
         path: The file.
         model: The learner, with the same kitchens and partners.
         config: The run's resolved configuration.
-        before: Told the joint steps done before the kitchens are restored.
+        before: Called with the joint steps done, before the kitchens are restored.
 
     Returns:
         The memory that was saved.
@@ -111,7 +111,7 @@ def load_checkpoint(
         fault = str(error).partition("\n")[0]
         raise CheckpointError(
             f"{path}: not a checkpoint of this run, or damaged ({type(error).__name__}: {fault}); "
-            "start anew without --resume and with another --output"
+            "start again without --resume and with another --output"
         ) from None
 
 

@@ -1,4 +1,4 @@
-"""Folders that one process at a time works in."""
+"""Locks folders, so that one process at a time works in each."""
 
 import os
 import sys

@@ -160,7 +160,7 @@ class Monitor(BaseCallback):
         soups = float(np.mean(self._returns)) / self._soup_points
         if soups < self._settings.check_soups:
             self.diverged = done, soups
-            self._console.print(f"{soups:.1f} soups an episode after {done:,} steps; begins anew with another seed")
+            self._console.print(f"{soups:.1f} soups per episode after {done:,} steps; restarting with a new seed")
 
     def snap(self, done: int) -> None:
         """Saves the policy where a share of the steps has passed.

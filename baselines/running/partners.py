@@ -1,4 +1,4 @@
-"""Who sits on the other seat during training, from the names that a user gives."""
+"""The partners of a training run, from the names that a user gives."""
 
 from collections.abc import Sequence
 
@@ -72,7 +72,7 @@ def load_partners(names: Sequence[str], settings: Settings) -> list[Agent]:
 
 
 def sharing(partners: list[Agent], per_episode: int) -> list[Agent]:
-    """Returns what `OvercookedVecEnv` is told as `partners`.
+    """Returns the `partners` argument of `OvercookedVecEnv`.
 
     Args:
         partners: Who can play.

@@ -1,4 +1,4 @@
-"""Where a training run is written and how it goes on; the small files of its folder."""
+"""The folder of a training run, how the run resumes, and the small files in the folder."""
 
 import json
 import os
@@ -43,7 +43,7 @@ class Place:
     every: int = EVERY
 
     def part(self, folder: str | Path, name: str) -> "Place":
-        """Returns the place of one of the runs that this run consists of, which is resumed if it was begun.
+        """Returns the place of one of the runs that this run consists of, which is resumed if it was started.
 
         Args:
             folder: Below this one.
@@ -79,11 +79,11 @@ def write_record(file: Path, content: Any) -> None:
 
 
 def read_record(file: Path, kind: type[Content]) -> Content | None:
-    """Reads a JSON file of a run; None where there is none.
+    """Reads a JSON file of a run; None if there is none.
 
     Args:
         file: The file.
-        kind: What it is to hold.
+        kind: The type of its content.
 
     Raises:
         CheckpointError: It is not JSON, or holds something else.

@@ -1,4 +1,4 @@
-"""One training run in one folder: schedules, checkpoints, logs, restarts, the frozen policy at its end."""
+"""One training run in one folder: schedules, checkpoints, logs, restarts, the final frozen policy."""
 
 import json
 from collections.abc import Callable, Iterable, Sequence
@@ -218,7 +218,7 @@ def run(
         {str(share): monitor.saved[share] for share in settings.snapshots},
     )
     write_record(output / RESULT, msgspec.to_builtins(result))
-    return None if monitor.asked else _outcome(output, result)  # asked in the last update: nothing else is to be begun
+    return None if monitor.asked else _outcome(output, result)  # asked in the last update: nothing else is started
 
 
 def resolved_config(settings: Settings, method: str, seed: int, known: dict[str, Any] | None = None) -> dict[str, Any]:

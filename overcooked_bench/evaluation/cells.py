@@ -19,7 +19,7 @@ from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.kitchen.layout import Layout
 
 FLOOR: Final = "floor"
-"""The kind of partners that are shown apart and enter no score."""
+"""The kind of partners that are listed separately and do not count in any score."""
 
 _ARRAYS: Final = ("returns", "ego_soups", "partner_soups", "sides")
 

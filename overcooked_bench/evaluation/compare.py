@@ -17,7 +17,7 @@ _PAIRED: Final = (
 )
 _WELCH: Final = (
     "95 % Welch intervals over {n} and {m} training seeds, for this pool of partners and given these start states and "
-    "random streams, which both agents play."
+    "random streams, which both agents share."
 )
 _NONE: Final = "No intervals: {why}."
 
@@ -30,8 +30,8 @@ class Difference(msgspec.Struct, frozen=True, omit_defaults=True):
     """One number of the first score, the same of the second, and their difference.
 
     Attributes:
-        first: In the first score.
-        second: In the second.
+        first: The number in the first score.
+        second: The number in the second score.
         difference: First minus second.
         layout: As for `Row`.
         seat: As for `Row`.
@@ -57,7 +57,7 @@ class Comparison(msgspec.Struct, frozen=True):
         metric: How to show the numbers.
         first: The first agent.
         second: The second one.
-        interval: What the intervals are about.
+        interval: What the intervals cover.
         differences: One for each number that both scores have; the mean over all layouts first.
     """
 
@@ -122,8 +122,8 @@ def _check_same_games(one: Scores, other: Scores) -> None:
         if mine != theirs:
             short = [str(value)[:12] for value in (mine, theirs)]
             raise CompareError(
-                f"{one.agent.name} and {other.agent.name} were scored with another {what} ({short[0]} and {short[1]}); "
-                "score both under the same protocol, pool, seed and salt"
+                f"{one.agent.name} and {other.agent.name} were scored with a different {what} "
+                f"({short[0]} and {short[1]}); score both under the same protocol, pool, seed and salt"
             )
 
 
@@ -142,7 +142,7 @@ def _difference(mine: Row, theirs: Row, seeds: int, other_seeds: int) -> Differe
 def _describe(one: Scores, other: Scores, rows: list[tuple[Row, Row]]) -> str:
     seeds = one.training_seeds, other.training_seeds
     if not any(mine.per_repetition and theirs.per_repetition for mine, theirs in rows):
-        return _NONE.format(why="one of the scores was written by a version that kept no single repetitions")
+        return _NONE.format(why="one of the scores was written by a version that stored no values per repetition")
     if min(seeds) > 1:
         return _WELCH.format(n=seeds[0], m=seeds[1])
     if max(seeds) > 1:

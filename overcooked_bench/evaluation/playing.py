@@ -1,4 +1,4 @@
-"""Plays the blocks of a score that its store lacks; faults of the agent end nothing but the block that they are in."""
+"""Plays the blocks of a score that its store lacks; a fault of the agent ends only its own block."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -5,7 +5,7 @@
     play: {pool: dev-v0, layouts: [cramped_room], ...}
     report: {thresholds: [1, 3, 5]}
 
-Start states and random streams depend on `play` alone, so what is reported can change without changing one game. A new
+Start states and random streams depend on `play` alone, so the report can change without changing any game. A new
 protocol is one file in `protocols/`.
 """
 
@@ -25,13 +25,13 @@ from overcooked_bench.files import check_name, read_text
 from overcooked_bench.shelf import Shelf
 
 NEWEST: Final = "dev"
-"""The protocol that is played where none is named."""
+"""The default protocol."""
 
 MOST_STEPS: Final = 10_000
-"""The longest episode; all its joint actions are kept in memory."""
+"""Maximum number of steps per episode; all its joint actions are kept in memory."""
 
 MOST_EPISODES: Final = 10_000
-"""Most start states per partner; the list of all blocks is kept in memory."""
+"""Maximum number of start states per partner; the list of all blocks is kept in memory."""
 
 
 class ProtocolError(WrongUse):
@@ -46,7 +46,7 @@ class _Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     @property
     def sha256(self) -> str:
-        """Hash of what the part says; comments, the order of keys and keys at their defaults do not count."""
+        """Hash of what the part says; comments, the order of keys and keys at their defaults do not change it."""
         return _hash(self)
 
 
@@ -107,7 +107,7 @@ class Protocol(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     """What two scores must share to be comparable, and what is reported of them.
 
     Attributes:
-        name: How people call it; part of the default output folder.
+        name: The protocol's name; part of the default output folder.
         version: Rises whenever a score would change.
         play: What is played.
         report: How the games are scored.

@@ -88,7 +88,7 @@ def score(
         agent: What `find` takes: a name, the path of a submission or of a policy, or a behaviour mapping.
         protocol: A shipped name, a file, or a Protocol.
         pool: Name or folder of a pool to play with instead of the protocol's.
-        layouts: Some of the protocol's layouts; all by default. Only a score on all of them has an overall value.
+        layouts: A subset of the protocol's layouts; all by default. Only a score on all of them has an overall value.
         output: The folder; `scores/<agent>-<protocol>` by default.
         workers: Number of processes.
         engine: "local", "dask" or "ray".
@@ -98,7 +98,7 @@ def score(
             submission cannot compute who its partners are.
         act_timeout: Seconds that one call of a submission's `act` may take, for a whole batch of episodes; a slower one
             is a fault of the agent. Engine "local" only.
-        scenarios: Whether to play the cooperation scenarios, too, which takes seconds.
+        scenarios: Whether to play the cooperation scenarios as well, which takes seconds.
         on_progress: Called after each block, and after each kitchen of scenarios.
 
     Raises:
@@ -218,7 +218,7 @@ def _salt(salt: str | None, rules: Protocol, folder: Path) -> str:
     if salt is None:
         return public
     if not is_text(salt):
-        raise ProtocolError(f"salt is {salt!r}; give a text, or {FRESH!r} for a salt that nobody knows")
+        raise ProtocolError(f"salt is {salt!r}; give a text, or {FRESH!r} for a new secret salt")
     if salt != FRESH:
         return salt
     there = None
@@ -236,7 +236,7 @@ def _labels(pool: Pool, layout: str) -> list[PartnerLabel]:
 
 
 def _choose(rules: Protocol, layouts: Sequence[str] | None, entrant: Entrant) -> tuple[list[str], tuple[Declined, ...]]:
-    """Returns the layouts to play, and those of them that the agent is known not to play."""
+    """Returns the layouts to play, and those among them that the agent declines."""
     play = rules.play
     strange = sorted(set(layouts or ()) - set(play.layouts))
     if strange:
@@ -246,14 +246,14 @@ def _choose(rules: Protocol, layouts: Sequence[str] | None, entrant: Entrant) ->
     wanted = [layout for layout in play.layouts if layouts is None or layout in layouts]
     known = [layout for layout in wanted if entrant.layout in (None, layout)]
     if not known:
-        raise ProtocolError(f"{entrant.name} plays {entrant.layout} alone, which is not among {', '.join(wanted)}")
+        raise ProtocolError(f"{entrant.name} plays only {entrant.layout}, which is not among {', '.join(wanted)}")
     for layout in known:
         if play.start == "standard" and not Layout.load(layout).start_cells:
             raise ProtocolError(
                 f"protocol {rules.name!r} plays start 'standard', but {layout} names no start cells; mark two with the "
                 "digits 1 and 2, or write start: random"
             )
-    return known, tuple(Declined(one, f"it plays {entrant.layout} alone") for one in wanted if one not in known)
+    return known, tuple(Declined(one, f"it plays only {entrant.layout}") for one in wanted if one not in known)
 
 
 def _write(scores: Scores, items: ScenariosPlayed | None, folder: Path) -> None:

@@ -28,7 +28,7 @@ MEAN: Final = "mean"
 """The metric that scores are ranked by."""
 
 UPGRADES: Final[dict[int, Callable[[dict[str, Any]], dict[str, Any]]]] = {1: from_1}
-"""Schema -> what turns a score.json of it into one of the next schema."""
+"""Schema -> the function that upgrades a score.json to the next schema."""
 
 _MOST_BYTES: Final = 64_000_000
 
@@ -43,12 +43,12 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     Attributes:
         metric: Its name; `Scores.metrics` says how to show it.
         params: What it was computed with, such as `{"soups": 3}`.
-        layout: On this layout; null for the mean over all layouts of the protocol.
-        seat: With the scored agent on this seat; null for all seats.
-        stratum: With the partners of this stratum; null for all that count.
-        partner: With this partner.
+        layout: The layout; null for the mean over all layouts of the protocol.
+        seat: The scored agent's seat; null for all seats.
+        stratum: The partners' stratum; null for all that count.
+        partner: The partner; null for all that count.
         value: The number.
-        low: Lower end of its 95 % interval, null if the data give none; `Scores.interval` says what it is about.
+        low: Lower end of its 95 % interval, null if the data give none; `Scores.interval` says what it covers.
         high: Upper end.
         per_repetition: The number of each independent repetition, which are the training seeds or, of a single one, the
             episode blocks; null in scores of schema 1.
@@ -95,11 +95,11 @@ class LayoutFacts(msgspec.Struct, frozen=True):
 
 
 class Source(msgspec.Struct, frozen=True):
-    """Something that took part.
+    """A protocol, agent, pool or suite of a score.
 
     Attributes:
-        name: What it is called.
-        sha256: Hash of what it is.
+        name: Its name.
+        sha256: Hash of its content.
     """
 
     name: str
@@ -111,7 +111,7 @@ class Declined(msgspec.Struct, frozen=True):
 
     Attributes:
         layout: Its name.
-        reason: What the agent says.
+        reason: The reason that the agent gives.
     """
 
     layout: str
@@ -162,12 +162,12 @@ class Scores(msgspec.Struct, frozen=True, kw_only=True):
         schema: Version of this form.
         protocol: What was played; the hash is that of `settings.play`.
         settings: The protocol in full.
-        agent: Who was scored.
-        pool: Who was met; null in scores of protocols that named scripted partners alone.
+        agent: The scored agent.
+        pool: The pool of partners; null in scores of protocols that named scripted partners alone.
         seed: 0 for scores that are to be compared.
         salt: The run's: the protocol's public one in scores that are to be compared, a fresh one in official runs.
-        training_seeds: Independent training runs of the agent, S.
-        interval: What the intervals are about, and what not.
+        training_seeds: Number of independent training runs of the agent, S.
+        interval: What the intervals cover, and what they do not.
         overall: Mean return over all layouts of the protocol, each with equal weight; null unless all were played. Its
             interval is over training seeds, or the episode blocks of a single one, each averaged over the layouts.
         unranked: Why `overall` is null; null if it is not.
@@ -216,7 +216,7 @@ class Scores(msgspec.Struct, frozen=True, kw_only=True):
         return next(self.select(metric, **entries), None)
 
     def with_partners(self, layout: LayoutFacts) -> list[tuple[PartnerLabel, Row]]:
-        """Lists a layout's partners that count with their mean returns, worst first; equals by name."""
+        """Lists a layout's partners that count with their mean returns, worst first; ties are sorted by name."""
         means = {row.partner: row for row in self.select(MEAN, layout=layout.layout, seat=None) if row.partner}
         pairs = [(label, means[label.name]) for label in layout.partners if label.counts]
         return sorted(pairs, key=lambda pair: (pair[1].value, pair[0].name))

@@ -28,7 +28,7 @@ class Threshold(NamedTuple):
 
     Attributes:
         reached: Partners with a mean of at least the level, averaged over training seeds; with its interval.
-        undecided: Partners whose mean lies within two standard errors of the level; None where no error is known.
+        undecided: Partners whose mean is within two standard errors of the level; None if no standard error is known.
     """
 
     reached: Estimate
@@ -74,7 +74,7 @@ def ordered(means: ArrayLike) -> NDArray[np.float64]:
         means: (S, P).
 
     Returns:
-        (S, P), ascending along P: column r is the (r + 1)-th worst partner, whoever that is for each seed.
+        (S, P), ascending along P: column r is the (r + 1)-th worst partner, which may differ between seeds.
 
     Source: the thesis, 7.2, "ordered outcomes".
     """
@@ -131,7 +131,7 @@ def lower_bound(n: int, quantile: float = LOW_QUANTILE) -> OrderBound | None:
 
 
 def describe_low_quantile(values: ArrayLike) -> str:
-    """Says what some training seeds tell about the 0.15-quantile over all of them, and what they do not.
+    """Says what a few training seeds show about the 0.15-quantile over all seeds, and what they do not.
 
     Args:
         values: (S,) one score for each training seed, S >= 2.

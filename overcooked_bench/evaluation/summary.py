@@ -1,4 +1,4 @@
-"""From cells to a score: every metric for everything that it is about."""
+"""Summarises cells as a score: every metric, for each layout, seat, stratum and partner."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence

@@ -297,8 +297,8 @@ def test_a_frozen_agent_plays_its_own_layout_alone(pool_folder, tmp_path):
     protocol = read_protocol(protocol_text(layouts=["coordination_ring", "cramped_room"]), "p.yaml")
     scores, *_ = score(f"{pool_folder}/cramped_room/sp-1", protocol, output=tmp_path / "out")
     assert [layout.layout for layout in scores.layouts] == ["cramped_room"]
-    assert scores.declined == (Declined("coordination_ring", "it plays cramped_room alone"),)
-    with pytest.raises(ProtocolError, match="plays cramped_room alone"):
+    assert scores.declined == (Declined("coordination_ring", "it plays only cramped_room"),)
+    with pytest.raises(ProtocolError, match="plays only cramped_room"):
         score(f"{pool_folder}/cramped_room/sp-1", protocol, layouts=["coordination_ring"], output=tmp_path / "b")
 
 

@@ -1,4 +1,4 @@
-"""Plays one block again, to see whether a submission plays it the same whatever was played before.
+"""Plays one block again, to check that a submission plays it the same way regardless of what was played before.
 
 Axes: B rows of the scored agent.
 """

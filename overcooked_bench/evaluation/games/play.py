@@ -1,4 +1,4 @@
-"""Plays episodes in one batch: every agent sees its own seats alone, and every joint action is kept.
+"""Plays episodes in one batch: each agent sees only its own seats, and every joint action is recorded.
 
 Axes: N kitchens (rows), T steps, B rows of one agent.
 """

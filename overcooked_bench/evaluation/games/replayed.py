@@ -1,4 +1,4 @@
-"""Plays stored episodes again from their start states and joint actions, and compares what they bring.
+"""Plays stored episodes again from their start states and joint actions, and compares their returns.
 
 Axes: N episodes of one layout, T steps.
 """

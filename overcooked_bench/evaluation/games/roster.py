@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Kind = Literal["trained", "scripted", "floor"]
 FLOOR: Final = "floor"
-"""The kind of partners that are shown apart and enter no score."""
+"""The kind of partners that are listed separately and do not count in any score."""
 
 
 @dataclass(frozen=True)

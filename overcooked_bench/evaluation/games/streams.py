@@ -1,4 +1,4 @@
-"""The random streams of a score: what each depends on, and what nobody can read from them.
+"""The random streams of a score: what each depends on, and what cannot be inferred from them.
 
 The scored agent's seeds and the order of its rows depend on nothing about its partners, so it cannot look a partner up
 by its seed. Under a protocol's public salt, code that repeats this file can still compute the order of the rows and the
@@ -31,7 +31,7 @@ def stream_key(*parts: str | int) -> int:
 
 
 def draw_salt() -> str:
-    """Draws a salt that nobody knows."""
+    """Draws a new secret salt."""
     return secrets.token_hex(16)
 
 

@@ -1,1 +1,1 @@
-"""Metrics, one per file; each defines `METRIC`, and nothing else has to know it."""
+"""Metrics, one per file; each defines `METRIC`, and is found without registration elsewhere."""

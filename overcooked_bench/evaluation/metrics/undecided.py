@@ -1,4 +1,4 @@
-"""How many partners are too near to a threshold to be on one side of it for certain."""
+"""The number of partners whose mean is too close to a threshold to call."""
 
 from typing import Final
 

@@ -132,7 +132,7 @@ def choose(pool: Pool, layout: str, patterns: Sequence[str] = (), checkpoints: b
         pool: The pool of the agents.
         layout: The layout to play.
         patterns: Names of agents, with the wildcards `*` and `?`; all agents by default.
-        checkpoints: Whether to take all of a lineage, in place of the one with most training.
+        checkpoints: Whether to take all of a lineage, instead of only the most trained one.
 
     Raises:
         PoolError: The pool has no agents there, a pattern fits none, or they are not of two lineages at least.

@@ -1,4 +1,4 @@
-"""What a matrix of returns says: how well agents do with themselves, and how well with one another.
+"""Summarises a matrix of returns: how well agents play with themselves, and with one another.
 
 What varies is an agent, not a pair and not an episode: the pairs of a matrix share agents, so whole agents are drawn.
 

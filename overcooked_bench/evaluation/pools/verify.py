@@ -1,4 +1,4 @@
-"""Verifies a pool: whole, independent, playable, and without agents that are the same in all but their files.
+"""Verifies a pool: complete, independent, playable, and without near-duplicate agents.
 
 Axes: P agents of a layout, S states.
 """
@@ -100,7 +100,7 @@ def _versions(pool: Pool) -> Iterator[Finding]:
 
 
 def _compare(pool: Pool, layout: str, horizon: int) -> list[Finding]:
-    """Plays every agent with itself, and names those that act alike."""
+    """Plays every agent with itself, and names near-duplicates."""
     partners = [Partner(entry) for entry in pool.agents(layout)]
     names = [partner.name for partner in partners]
     policies = [pool.policy(layout, name) for name in names]
@@ -127,7 +127,10 @@ def _compare(pool: Pool, layout: str, horizon: int) -> list[Finding]:
             for views in [np.concatenate(seen[policy.architecture.observation])]
         ]
     return [
-        Finding(False, f"{layout}: {', '.join(names[i] for i in group)} act alike (within {SAME:g} in total variation)")
+        Finding(
+            False,
+            f"{layout}: {', '.join(names[i] for i in group)} are near-duplicates (within {SAME:g} in total variation)",
+        )
         for group in _alike(chances)
     ]
 

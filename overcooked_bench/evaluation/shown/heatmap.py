@@ -50,7 +50,7 @@ def draw_heat_map(found: CrossPlay, file: "str | Path | IO[bytes]", form: str = 
         for first, count in _families(found):
             corner = first - 0.5, first - 0.5
             axes.add_patch(Rectangle(corner, count, count, fill=False, edgecolor=_FRAME, linewidth=1.6, clip_on=False))
-        figure.colorbar(image, ax=axes, shrink=0.8, label="points an episode")
+        figure.colorbar(image, ax=axes, shrink=0.8, label="points per episode")
         figure.suptitle(_title(found), fontsize=9, x=0.02, ha="left", color=_INK)
         metadata: dict[str, Any] = {"Software": None} if form == "png" else {"Date": None, "Creator": None}
         figure.savefig(file, format=form, metadata=metadata)
@@ -69,6 +69,6 @@ def _families(found: CrossPlay) -> list[tuple[int, int]]:
 def _title(found: CrossPlay) -> str:
     ratio = f"ratio {found.ratio.text(2)}" if found.ratio else "no ratio"
     return (
-        f"{found.layout}, pool {found.pool.name}, {found.episodes} episodes a cell\n"
+        f"{found.layout}, pool {found.pool.name}, {found.episodes} episodes per cell\n"
         f"with itself {found.self_play.text(0)}, with strangers {found.cross_play.text(0)}\n{ratio}"
     )

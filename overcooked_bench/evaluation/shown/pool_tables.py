@@ -29,9 +29,9 @@ def pool_tables(pool: Pool, layouts: Sequence[str]) -> "Group":
     for layout in layouts:
         parts += [Text(""), Text(layout, style="bold"), _agents(pool.partners(layout)).terminal()]
     note = (
-        "With itself: points per episode [95 % over episodes]; seats: points of the soups that its own chef delivers. "
-        "Done: share of the run's steps. Nats: entropy of its actions (uniform: 1.79). How often per episode, both "
-        "chefs: put into pots, served, dropped on counters, picked from counters."
+        "With itself: points per episode [95 % over episodes]; seats: points from the soups that the chef on that seat "
+        "delivers. Done: share of the run's steps. Nats: entropy of its actions (uniform: 1.79). How often per episode, "
+        "both chefs: put into pots, served, dropped on counters, picked from counters."
     )
     return Group(*parts, Text(""), Text(note, style="dim"))
 
@@ -51,8 +51,8 @@ def crossplay_tables(found: Sequence[CrossPlay]) -> "Group":
     table = Table(["layout", *(Column(name, wrap=False) for name in columns)], rows)
     note = (
         "Points per episode; strangers are agents of different lineages, both seats. Intervals: 95 %, for other agents "
-        "of the same kind (whole agents are drawn with replacement). Ratio: with strangers by with itself; near 0, "
-        "each agent has conventions of its own. Worst pair: on seat 0, on seat 1."
+        "of the same kind (whole agents are drawn with replacement). Ratio: with strangers divided by with itself; "
+        "near 0, each agent has conventions of its own. Worst pair: on seat 0, on seat 1."
     )
     return Group(table.terminal(), Text(""), Text(note, style="dim"))
 

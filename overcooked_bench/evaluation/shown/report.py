@@ -1,4 +1,4 @@
-"""A score as one HTML page that needs nothing else: tables, the ordered curve, the pairs that went worst."""
+"""A score as one HTML page without external files: tables, the ordered curve, the worst pairs."""
 
 import shlex
 from collections.abc import Iterator
@@ -27,7 +27,7 @@ MOST_WORST: Final = 10
 
 
 def write_report(scores: Scores, file: str | Path) -> None:
-    """Writes the page.
+    """Writes the report.
 
     Args:
         scores: What to show.

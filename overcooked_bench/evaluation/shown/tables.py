@@ -1,4 +1,4 @@
-"""A score as tables, and in words what they do not say. Terminal and report show the same."""
+"""A score as tables, and notes on what they do not show. Terminal and report share both."""
 
 from collections.abc import Iterable
 from typing import Literal
@@ -118,11 +118,11 @@ def figure(estimate: Estimate, facts: MetricFacts, interval: bool | None = None)
 
 
 def notes(scores: Scores) -> list[str]:
-    """Says in words what the tables do not: what the intervals are about, what is undecided, what was not played."""
+    """Returns notes on what the tables do not show: intervals, undecided partners, what was not played."""
     said = [f"Points per episode ({_worth(scores)}). {scores.interval}"]
     said += [facts.note for facts in scores.metrics if facts.note and any(scores.select(facts.name))]
     if any(not label.counts for layout in scores.layouts for label in layout.partners):
-        said.append("Floors are played and shown, and enter no score.")
+        said.append("Floors are played and shown but do not count in any score.")
     near = [f"{r.value:.0f} at {r.params['soups']:g} ({r.layout})" for r in scores.select("undecided") if r.value]
     if near:
         said.append(f"Partners within two standard errors of a threshold: {', '.join(near)}.")
@@ -140,7 +140,7 @@ def notes(scores: Scores) -> list[str]:
             "Scenarios: passed from each seat in each mirror; the mean of families counts similar scenarios as one."
         )
     if any(label.is_ego for layout in scores.layouts for label in layout.partners):
-        said.append("* the scored agent itself is among the partners.")
+        said.append("* The scored agent itself is among the partners.")
     return said
 
 

@@ -63,7 +63,7 @@ def test_agents_that_act_alike_are_a_warning(tmp_path):
     verdict = verify_pool(pool_of(tmp_path, {}, {}, {}), horizon=30)
     assert verdict.sound
     (finding,) = verdict.findings
-    assert "sp-0, sp-1 act alike" in finding.text
+    assert "sp-0, sp-1 are near-duplicates" in finding.text
 
 
 def test_damage_is_grave_and_nothing_is_no_pool(tmp_path):
