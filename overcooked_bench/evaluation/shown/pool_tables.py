@@ -30,8 +30,8 @@ def pool_tables(pool: Pool, layouts: Sequence[str]) -> "Group":
         parts += [Text(""), Text(layout, style="bold"), _agents(pool.partners(layout)).terminal()]
     note = (
         "With itself: points per episode [95 % over episodes]; seats: points from the soups that the chef on that seat "
-        "delivers. Done: share of the run's steps. Nats: entropy of its actions (uniform: 1.79). How often per episode, "
-        "both chefs: put into pots, served, dropped on counters, picked from counters."
+        "delivers. Done: share of the run's steps. Nats: entropy of its actions (uniform: 1.79). How often per "
+        "episode, both chefs: put into pots, served, dropped on counters, picked from counters."
     )
     return Group(*parts, Text(""), Text(note, style="dim"))
 
