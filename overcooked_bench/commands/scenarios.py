@@ -62,19 +62,7 @@ def _add_run(commands: Any) -> None:
         help="my_agent.py[:function], a folder, or a name, in which {layout} is replaced by the layout's name",
     )
     parser.add_argument("--category", metavar="A,B", type=names, help="only these categories")
-    parser.add_argument(
-        "--repeats",
-        metavar="N",
-        type=whole(1),
-        default=20,
-        help="runs of each scenario, for agents that sample (default: 20)",
-    )
-    parser.add_argument(
-        "--mode",
-        choices=("sample", "greedy"),
-        default="sample",
-        help="whether frozen policies sample actions or take the likeliest (default: sample)",
-    )
+    _add_playing(parser)
     parser.add_argument(
         "--training-seed",
         metavar="N",
@@ -198,19 +186,7 @@ def _add_compare(commands: Any) -> None:
     )
     parser.add_argument("agents", metavar="AGENT", nargs="+", help="as for `scenarios run --agent`")
     parser.add_argument("--select", metavar="A,B", type=names, help=SELECT)
-    parser.add_argument(
-        "--repeats",
-        metavar="N",
-        type=whole(1),
-        default=20,
-        help="runs of each scenario, for agents that sample (default: 20)",
-    )
-    parser.add_argument(
-        "--mode",
-        choices=("sample", "greedy"),
-        default="sample",
-        help="whether frozen policies sample actions or take the likeliest (default: sample)",
-    )
+    _add_playing(parser)
     add_act_timeout(parser)
     add_json(parser)
 
@@ -295,3 +271,20 @@ def _items(options: argparse.Namespace) -> "list[Item]":
     if not chosen:
         raise ScenarioError("nothing is left to play; choose more categories or seats, or leave --mirrored out")
     return chosen
+
+
+def _add_playing(parser: argparse.ArgumentParser) -> None:
+    """Declares how agents are played, the same for all commands that play scenarios."""
+    parser.add_argument(
+        "--repeats",
+        metavar="N",
+        type=whole(1),
+        default=20,
+        help="runs of each scenario, for agents that sample (default: 20)",
+    )
+    parser.add_argument(
+        "--mode",
+        choices=("sample", "greedy"),
+        default="sample",
+        help="whether frozen policies sample actions or take the likeliest (default: sample)",
+    )

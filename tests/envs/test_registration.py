@@ -77,4 +77,6 @@ def test_the_same_ids_are_in_the_registry_of_pettingzoo():
 
 def test_an_older_pettingzoo_without_a_registry_is_no_hindrance(monkeypatch):
     monkeypatch.delattr(pettingzoo, "parallel_registry")
+    monkeypatch.delitem(gym.registry, "Overcooked/CrampedRoom-v0")
     register_environments()
+    assert "Overcooked/CrampedRoom-v0" in gym.registry
