@@ -38,7 +38,7 @@ from .config import EARLY, FINAL, HALF, Kind, PoolConfig, Run
 
 AGENTS_FILE: Final = "agents.json"
 """A finished run's agents, in its folder: their entries, and where their policies lie."""
-_SAID_ELSEWHERE: Final = ("layout", "seed", "method", "training_seed")  # in the manifest's entry itself
+_SAID_ELSEWHERE: Final = ("layout", "seed", "method", "training_seed", "people")  # in the manifest's entry itself
 
 
 class PoolBuildError(WrongUse):
@@ -102,6 +102,7 @@ def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
             stratum=trained.stratum,
             lineage=run.lineage,
             training=trained,
+            people=run.settings.people or None,
         )
         stem = files.weights.with_suffix("").relative_to(folder).as_posix()
         entries.append(_Kept(stem, record))

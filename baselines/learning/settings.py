@@ -8,6 +8,8 @@ from overcooked_bench.errors import WrongUse
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.observations.registry import find_observation
 
+from .people import people_behind
+
 _COUNTS: Final = ("num_kitchens", "rollout", "epochs", "minibatches", "horizon", "filters", "previous", "threads")
 _SHARES: Final = ("gamma", "gae_lambda", "entropy_share", "shaping_share", "check_share", "object_probability")
 _FROM_0: Final = ("learning_rate_end", "value_coefficient", "entropy_start", "entropy_end", "restarts", "check_soups")
@@ -138,6 +140,15 @@ class Settings:
     def partner_references(self) -> tuple[str, ...]:
         """The partners and pools that the settings name."""
         return ()
+
+    @property
+    def people(self) -> tuple[str, ...]:
+        """The people whose recorded games the policy, or a partner that it trains with, is made from.
+
+        Raises:
+            PoolError: A pool among the partners is damaged.
+        """
+        return people_behind(self.partner_references, self.layout)
 
     @property
     def learners(self) -> str:

@@ -9,8 +9,8 @@ from overcooked_bench.agents.catalogue import load_agent
 from overcooked_bench.agents.policies.ensemble import SampledPartners
 from overcooked_bench.agents.policies.neural import NeuralAgent
 from overcooked_bench.agents.policies.policy import Policy, PolicyFiles, load_policy
-from overcooked_bench.agents.pools.manifest import PoolError
-from overcooked_bench.agents.pools.pool import Pool, is_pool
+from overcooked_bench.agents.pools.manifest import PoolError, people_of, read_manifest
+from overcooked_bench.agents.pools.pool import Pool, find_pool, is_pool
 from overcooked_bench.evaluation.games.play import play_episodes
 from overcooked_bench.evaluation.protocol import load_protocol, protocol_names
 from overcooked_bench.kitchen.layout import Layout
@@ -46,18 +46,24 @@ def partner_names(given: Sequence[str], settings: Settings, only_final: bool = F
     return tuple(names)
 
 
-def scoring_pools(given: Sequence[str]) -> list[tuple[str, str]]:
-    """Finds partners that a shipped protocol scores with: an agent trained or chosen with them has met them.
+def scoring_pools(given: Sequence[str], people: Sequence[str] = ()) -> list[tuple[str, str]]:
+    """Finds pools that a shipped protocol scores with and that somebody who trains or chooses so has met.
 
     Args:
-        given: Pools, and whatever else `find` takes.
+        given: The partners of the training or of a choice: pools, and whatever else `find` takes.
+        people: Those whose games the agent or its partners are made from; partners made from them are met, too.
 
     Returns:
         Pairs of a protocol's and its pool's name.
     """
     pools = {name.partition("/")[0] for name in given} | {Pool.load(name).name for name in given if is_pool(name)}
     protocols = [load_protocol(name) for name in protocol_names()]
-    return [(protocol.name, str(protocol.play.pool)) for protocol in protocols if protocol.play.pool in pools]
+    scoring = [(protocol.name, str(protocol.play.pool)) for protocol in protocols if protocol.play.pool]
+    return [(name, pool) for name, pool in scoring if pool in pools or _people_meet(people, pool)]
+
+
+def _people_meet(people: Sequence[str], pool: str) -> bool:
+    return bool(people) and not {*people}.isdisjoint(people_of(read_manifest(find_pool(pool))))
 
 
 def load_partners(names: Sequence[str], settings: Settings) -> list[Agent]:

@@ -224,6 +224,8 @@ def run(
 def resolved_config(settings: Settings, method: str, seed: int, known: dict[str, Any] | None = None) -> dict[str, Any]:
     """Returns what a run's folder says about it, as it is read back from JSON."""
     content = {**asdict(settings), **(known or {}), "method": method, "training_seed": seed}
+    if settings.people:
+        content["people"] = settings.people
     plain: dict[str, Any] = json.loads(json.dumps(content, default=str))
     return plain
 

@@ -93,10 +93,17 @@ def _add_verify(commands: Any) -> None:
         commands,
         "verify",
         _verify,
-        "check a pool: hashes, lineages, duplicates, and one episode per agent; exits with 1 if a check fails",
+        "check a pool: hashes, lineages, people, duplicates, and one episode per agent; exits with 1 if a check fails",
         "overcooked-bench pool verify dev-v0",
     )
     parser.add_argument("pool", metavar="POOL", help="a shipped pool's name, or a folder")
+    parser.add_argument(
+        "--against",
+        metavar="OTHER",
+        nargs="+",
+        default=[],
+        help="pools that it must share nothing with, besides the shipped ones of other names",
+    )
     add_json(parser)
 
 
@@ -104,13 +111,22 @@ def _verify(options: argparse.Namespace) -> int:
     from overcooked_bench.evaluation.pools.verify import verify_pool
 
     with ProgressBar("loading") as tell:
-        verdict = verify_pool(options.pool, on_progress=tell)
+        verdict = verify_pool(options.pool, options.against, on_progress=tell)
     if options.json:
         findings = [finding._asdict() for finding in verdict.findings]
-        print_json({"sound": verdict.sound, "agents": verdict.agents, "findings": findings})
+        print_json(
+            {
+                "sound": verdict.sound,
+                "agents": verdict.agents,
+                "findings": findings,
+                "shares_no_person_with": verdict.strangers,
+            }
+        )
     else:
         for finding in verdict.findings:
             print(f"{'wrong' if finding.grave else 'warning'}: {finding.text}")
+        for other in verdict.strangers:
+            print(f"shares no person with {other}")
         which = f"{verdict.pool.name} ({verdict.pool.hash[:8]})" if verdict.pool else options.pool
         print(f"{which}: {'sound' if verdict.sound else 'not sound'}, {verdict.agents} agents played")
     return 0 if verdict.sound else 1

@@ -15,6 +15,7 @@ from overcooked_bench.agents.pools.pool import find_pool
 from overcooked_bench.baselines import biased_self_play, pbt, population, pretrained_partners, training
 from overcooked_bench.baselines.methods import METHODS, find_method
 from overcooked_bench.baselines.presets import config_class
+from overcooked_bench.baselines.running import partners
 from overcooked_bench.baselines.running.partners import partner_names, scoring_pools
 from overcooked_bench.baselines.running.place import CheckpointError, Place, write_record
 from overcooked_bench.baselines.running.seeds import USER, derive_seed
@@ -188,6 +189,12 @@ def test_a_pool_that_scores_is_known_by_every_way_to_name_it():
     for name in ("dev-v0", "dev-v0/cramped_room/sp-0", str(find_pool("dev-v0"))):
         assert scoring_pools(["greedy", name]) == [("dev", "dev-v0")]
     assert scoring_pools(["greedy", "train-v1"]) == []
+
+
+def test_who_is_made_from_the_people_of_a_scoring_pool_has_met_its_partners(monkeypatch):
+    monkeypatch.setattr(partners, "people_of", lambda _: ("2019-01",))
+    assert scoring_pools(["greedy"], ["2019-01", "2019-03"]) == [("dev", "dev-v0")]
+    assert scoring_pools(["greedy"], ["2019-03"]) == []
 
 
 def test_scripted_partners_of_a_pool_are_not_trained_with():

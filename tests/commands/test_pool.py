@@ -88,3 +88,23 @@ def test_crossplay_prints_a_table_and_writes_the_matrix(home, capsys):
 def test_mistakes_end_in_one_message(home, arguments, words, capsys):
     assert main(arguments if arguments[:1] == ["crossplay"] else ["pool", *arguments]) == 2
     assert words in capsys.readouterr().err
+
+
+def test_verify_says_with_whom_a_pool_shares_no_person(home, capsys):
+    def write(name, seed, *people):
+        write_policy(home / name / LAYOUT / "sp-0", seed)
+        own = {"seed": seed, "namespace": name, "lineage": name, "people": people or None}
+        write_manifest(home / name, name, [record("sp-0", **own)])
+
+    write("a", 5, "2019-00")
+    write("b", 6, "2019-01")
+    assert main(["pool", "verify", "a", "--against", "b", "mine"]) == 0
+    assert said(capsys).startswith("shares no person with b\na (")
+    assert main(["pool", "verify", "mine", "--against", "a"]) == 0
+    assert "person" not in said(capsys), "a pool without people has none to share"
+    write("c", 7, "2019-00")
+    assert main(["pool", "verify", "c", "--against", "a", "b", "--json"]) == 1
+    found = json.loads(said(capsys))
+    assert (found["shares_no_person_with"], found["findings"][0]["grave"]) == (["b"], True)
+    assert main(["pool", "show", "c"]) == 0
+    assert "made from games of 2019-00" in said(capsys)

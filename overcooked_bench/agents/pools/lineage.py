@@ -4,7 +4,7 @@ from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from typing import NamedTuple, TypeVar
 
-from overcooked_bench.agents.pools.manifest import policies
+from overcooked_bench.agents.pools.manifest import people_of, policies
 from overcooked_bench.agents.pools.records import Entry, Manifest
 
 Key = TypeVar("Key")
@@ -26,7 +26,8 @@ def check_lineages(manifest: Manifest, others: Sequence[Manifest] = ()) -> list[
     """Finds trained agents with undeclared ties.
 
     Within a pool, agents of one layout and lineage are checkpoints of one run, and agents of one seed are of one
-    lineage. Between pools nothing is shared: no seed, no lineage, no weights; equal namespaces are a warning.
+    lineage. Between pools nothing is shared: no seed, no lineage, no weights, and no person whose games agents were
+    made from; equal namespaces are a warning.
 
     Args:
         manifest: The pool.
@@ -36,6 +37,11 @@ def check_lineages(manifest: Manifest, others: Sequence[Manifest] = ()) -> list[
     for other in others:
         found += _between(manifest, other)
     return found
+
+
+def shared_people(manifest: Manifest, other: Manifest) -> tuple[str, ...]:
+    """Lists the people whose games agents of both pools, or their training partners, were made from."""
+    return tuple(sorted({*people_of(manifest)} & {*people_of(other)}))
 
 
 def _one_run(manifest: Manifest) -> Iterator[Finding]:
@@ -74,6 +80,13 @@ def _between(manifest: Manifest, other: Manifest) -> Iterator[Finding]:
                 whose = next(them for them in theirs if key(them) == key(agent))
                 where = f"{other.name}/{whose.layout}/{whose.name}"
                 yield Finding(True, f"{agent.layout}/{agent.name} shares {what} with {where}")
+    if people := shared_people(manifest, other):
+        who = next(entry for entry in manifest.entries if set(people) & set(entry.people or ()))
+        yield Finding(
+            True,
+            f"agents such as {who.layout}/{who.name} were made from games of {', '.join(people)}, or trained with such "
+            f"agents; those of the pool {other.name} too",
+        )
     for namespace in sorted(
         {agent.trained.namespace for agent in ours} & {agent.trained.namespace for agent in theirs}
     ):

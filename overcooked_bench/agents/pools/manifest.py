@@ -113,6 +113,17 @@ def policies(manifest: Manifest) -> tuple[Entry, ...]:
     return tuple(entry for entry in manifest.entries if isinstance(entry.reference, PolicyReference))
 
 
+def people_of(manifest: Manifest, layout: str | None = None) -> tuple[str, ...]:
+    """Lists the people whose recorded games a pool's agents, or their training partners, were made from.
+
+    Args:
+        manifest: The pool.
+        layout: The layout of the agents that are meant; all by default.
+    """
+    entries = (entry for entry in manifest.entries if layout in (None, entry.layout))
+    return tuple(sorted({person for entry in entries for person in entry.people or ()}))
+
+
 def check_version(manifest: Manifest, entry: Entry) -> None:
     """Checks that this version of the package plays an entry as the pool requires.
 
@@ -215,6 +226,9 @@ def _check_entry(entry: Entry, which: str) -> None:
     for key in ("stratum", "lineage"):
         if not getattr(entry, key).strip():
             raise PoolError(f"{which}: its {key} is empty; write one")
+    people = entry.people
+    if people is not None and (not all(map(str.strip, people)) or not 0 < len(set(people)) == len(people)):
+        raise PoolError(f"{which}: its people are {list(people)}; name each once, or leave the key out")
     measured = [(bound.seat, bound.side) for bound in entry.bounds or ()]
     if len(set(measured)) < len(measured) or any(side < 0 for _, side in measured):
         raise PoolError(f"{which}: its bounds are for {measured}; give each (seat, side) once, sides from 0")

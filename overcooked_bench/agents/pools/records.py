@@ -174,6 +174,8 @@ class Training(Record, frozen=True, kw_only=True):
     @property
     def stratum(self) -> str:
         """The stratum of a policy for which the manifest gives no other."""
+        if self.method == "human-proxy":
+            return "human"
         if self.done < 1:
             return "half-trained" if self.done > 0 else "untrained"
         return {"self-play": "self-play", "biased-self-play": "biased"}.get(self.method, "generalist")
@@ -213,6 +215,8 @@ class Entry(Record, frozen=True, kw_only=True):
         convention: Equal for partners that cooperate well with each other; None if they have not been grouped.
         bounds: The returns that can be reached with it, by seat and side; None if they have not been measured.
         training: How it was trained; None for kinds other than policies.
+        people: Whose recorded games it was made from, or its training partners were, such as "2019-07" for a pair of
+            2019; None if no person's.
     """
 
     name: str
@@ -224,6 +228,7 @@ class Entry(Record, frozen=True, kw_only=True):
     convention: str | None = None
     bounds: tuple[Bound, ...] | None = None
     training: Training | None = None
+    people: tuple[str, ...] | None = None
 
     @property
     def sha256(self) -> str:

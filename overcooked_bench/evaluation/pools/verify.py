@@ -3,7 +3,7 @@
 Axes: P agents of a layout, S states.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from overcooked_bench.agents.policies.neural import PolicyStack
 from overcooked_bench.agents.policies.policy import PolicyError
-from overcooked_bench.agents.pools.lineage import Finding, check_lineages
-from overcooked_bench.agents.pools.manifest import PoolError, check_version, read_manifest
+from overcooked_bench.agents.pools.lineage import Finding, check_lineages, shared_people
+from overcooked_bench.agents.pools.manifest import PoolError, check_version, people_of, read_manifest
 from overcooked_bench.agents.pools.pool import Pool, find_pool, shipped_pools
 from overcooked_bench.agents.seated import SeatedFault
 from overcooked_bench.agents.threads import one_thread
@@ -39,11 +39,13 @@ class Verdict(NamedTuple):
         pool: The pool, or None where it could not be read.
         findings: What was noticed; the pool is sound where none is grave.
         agents: How many agents were played.
+        strangers: Names of the other pools with people, none of whom is among the people of this pool.
     """
 
     pool: Pool | None
     findings: tuple[Finding, ...]
     agents: int
+    strangers: tuple[str, ...] = ()
 
     @property
     def sound(self) -> bool:
@@ -53,6 +55,7 @@ class Verdict(NamedTuple):
 
 def verify_pool(
     name_or_folder: str | Path,
+    against: Sequence[str | Path] = (),
     horizon: int = 400,
     on_progress: Callable[[str, int, int], object] = lambda what, done, of: None,
 ) -> Verdict:
@@ -60,24 +63,27 @@ def verify_pool(
 
     1. Every file is there and hashed as the manifest says, and no weights occur twice.
     2. Every scripted partner is known here, in the version that the pool means.
-    3. The lineage rules of `check_lineages`, also against the shipped pools of other names.
+    3. The lineage rules of `check_lineages`, also against the shipped pools of other names and those of `against`.
     4. Every trained agent is loaded and plays one episode with itself.
     5. No two trained agents act the same way on the states that were met; if some do, that is a warning.
 
     Args:
         name_or_folder: A shipped pool's name, or a folder.
+        against: Further pools that it must have nothing in common with.
         horizon: Steps of the episode.
         on_progress: Called with a layout, how many are done, and how many there are.
 
     Raises:
-        PoolError: There is no such pool.
+        PoolError: There is no such pool, or one that it is held against cannot be read.
     """
     folder = find_pool(name_or_folder)
+    further = [read_manifest(find_pool(other)) for other in against]
     try:
         pool = Pool.load(folder)
     except PoolError as error:
         return Verdict(None, (Finding(True, str(error)),), 0)
     others = [read_manifest(find_pool(name)) for name in shipped_pools() if name != pool.name]
+    others += [other for other in further if other.hash not in {pool.hash, *(known.hash for known in others)}]
     findings, played = [*_versions(pool), *check_lineages(pool.manifest, others)], 0
     trained = [layout for layout in pool.layouts if pool.agents(layout)]
     for done, layout in enumerate(trained, start=1):
@@ -87,7 +93,8 @@ def verify_pool(
         except (PoolError, PolicyError, SeatedFault) as error:
             findings.append(Finding(True, f"{layout}: {error}"))
         on_progress(layout, done, len(trained))
-    return Verdict(pool, tuple(findings), played)
+    apart = [other.name for other in others if people_of(other) and not shared_people(pool.manifest, other)]
+    return Verdict(pool, tuple(findings), played, tuple(apart) if people_of(pool.manifest) else ())
 
 
 def _versions(pool: Pool) -> Iterator[Finding]:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from overcooked_bench.agents.pools.manifest import policies
+from overcooked_bench.agents.pools.manifest import people_of, policies
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.pools.records import Entry, Profile, SeatProfile
 from overcooked_bench.estimate import Estimate
@@ -26,6 +26,8 @@ def pool_tables(pool: Pool, layouts: Sequence[str]) -> "Group":
     size = f"{trained} trained agents" + f", {others} scripted entries" * bool(others)
     head = f"{pool.name} ({pool.hash[:8]}) · {size} · cooking {pool.cooking} · actions {pool.mode}"
     parts: list[RenderableType] = [Text(head, style="bold")]
+    if people := people_of(pool.manifest):
+        parts.append(Text(f"made from games of {', '.join(people)}, or trained with agents that were"))
     for layout in layouts:
         parts += [Text(""), Text(layout, style="bold"), _agents(pool.partners(layout)).terminal()]
     note = (

@@ -77,3 +77,14 @@ def test_pools_share_nothing(tmp_path):
         "the seed namespace 'tests' is also used by the pool c",
     ]
     assert [finding.grave for finding in found] == [True, True, True, False]
+
+
+def test_a_person_is_behind_the_agents_of_one_pool_alone(tmp_path):
+    ours = manifest(tmp_path, "a", record("sp-0", seed=1, people=("2019-00", "2019-02")), record("sp-1", seed=2))
+    own = {"seed": 3, "lineage": "z", "namespace": "b"}
+    apart = manifest(tmp_path, "b", record("sp-0", people=("2019-01",), **own), first=5)
+    tied = manifest(tmp_path, "c", record("sp-0", people=("2019-02", "2019-03"), **own), first=7)
+    assert check_lineages(ours, [apart]) == []
+    (text,) = grave(check_lineages(ours, [apart, tied]))
+    assert text.startswith("agents such as cramped_room/sp-0 were made from games of 2019-02,")
+    assert "those of the pool c too" in text

@@ -11,7 +11,7 @@ import pytest
 from overcooked_bench.agents.behaviours.parsing import VERSION
 from overcooked_bench.agents.catalogue import find
 from overcooked_bench.agents.policies.policy import PolicyError
-from overcooked_bench.agents.pools.manifest import PoolError, check_version, read_manifest, write_manifest
+from overcooked_bench.agents.pools.manifest import PoolError, check_version, people_of, read_manifest, write_manifest
 from overcooked_bench.agents.pools.pool import Pool, find_pool, shipped_pools
 from overcooked_bench.agents.pools.records import BehaviourReference, Bound, ScriptedReference
 from tests.agents.made import record, scripted, write_policy
@@ -315,3 +315,14 @@ def test_shipped_pools_are_whole():
         for layout in pool.layouts:
             for agent in pool.agents(layout):
                 assert pool.policy(layout, agent.name).architecture.layout == layout
+
+
+def test_a_manifest_names_the_people_behind_its_agents(pool_folder):
+    entries = [record("sp-0", people=("2019-07",), method="human-proxy", checkpoint=0.5), record("sp-1")]
+    manifest = write_manifest(pool_folder, "tiny", entries)
+    assert (people_of(manifest), people_of(manifest, "coordination_ring")) == (("2019-07",), ())
+    assert [entry.people for entry in read_manifest(pool_folder).entries] == [("2019-07",), None]
+    assert [entry.trained.stratum for entry in manifest.entries] == ["human", "self-play"]
+    for people in ((), ("a", "a"), (" ",)):
+        with pytest.raises(PoolError, match=r"its people are \["):
+            write_manifest(pool_folder, "tiny", [record("sp-0", people=people)])

@@ -9,18 +9,21 @@ import types
 
 import pytest
 
+from overcooked_bench.agents.pools.manifest import write_manifest
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.pools.records import ScriptedReference
 from overcooked_bench.baselines.building import build, queue
 from overcooked_bench.baselines.building.build import PoolBuildError, missing, publish, train_run
 from overcooked_bench.baselines.building.config import PoolConfigError
 from overcooked_bench.baselines.building.queue import main
+from overcooked_bench.baselines.learning.people import people_behind
 from overcooked_bench.baselines.running import monitor
 from overcooked_bench.baselines.running.parts import checkpoints
 from overcooked_bench.baselines.running.run import Snapshot
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 from overcooked_bench.evaluation.pools import half
 from overcooked_bench.processes import start_process
+from tests.agents.made import record, write_policy
 from tests.baselines.pools import OVERRIDES, THREE_AGENTS, group, pool_config, write_config
 from tests.baselines.running.test_checkpoint import press_ctrl_c
 from tests.baselines.tiny import UPDATE, tiny
@@ -321,3 +324,25 @@ def test_an_agent_of_a_run_is_a_file_of_that_run(built, tmp_path):
     file.write_text(file.read_text().replace('"policy": "policy"', '"policy": "../policy"'))
     with pytest.raises(PoolBuildError, match="is not in this folder"):
         publish(run, tmp_path / "run", tmp_path / "pool")
+
+
+def test_who_trains_with_people_is_at_home_with_them(tmp_path):
+    """Partners that were made from people: the agent that trained with them says so in its run and in its pool."""
+    write_policy(tmp_path / "people" / LAYOUT / "clone-0")
+    write_policy(tmp_path / "people" / LAYOUT / "clone-1", 1)
+    clones = [record("clone-0", people=("2019-00", "2019-02")), record("clone-1", seed=1, people=("2019-02",))]
+    write_manifest(tmp_path / "people", "people", clones)
+    partners = ["greedy", str(tmp_path / "people")]
+    config = pool_config(tmp_path, group(method="best-response", overrides={**OVERRIDES, "partners": partners}))
+    (run,) = config.runs()
+    assert train_run(run, tmp_path / "run")
+    (entry,) = publish(run, tmp_path / "run", tmp_path / "pool")
+    assert entry.people == ("2019-00", "2019-02")
+    assert json.loads((tmp_path / "run" / "config.json").read_text())["people"] == ["2019-00", "2019-02"]
+    assert "people" not in entry.trained.settings
+    assert missing(config, tmp_path / "pool") == []
+    one = ["stay", str(tmp_path / "people/cramped_room/clone-1"), str(tmp_path / "people/coordination_ring/clone-0")]
+    assert people_behind(one, LAYOUT) == ("2019-02",)
+    for where in ("people/{layout}/clone-0", "pool/cramped_room/sp-0.json", "run/policy.safetensors"):
+        assert people_behind([str(tmp_path / where)], LAYOUT) == ("2019-00", "2019-02")
+    assert people_behind(["greedy", "dev-v0", "dev-v0/cramped_room/sp-0", "my_agent.py"], LAYOUT) == ()
