@@ -68,7 +68,8 @@ KNOWS = {
     "envs": {"kitchen", "agents", "rendering"},
     "scenarios": {"kitchen", "agents", "envs", "rendering"},
     "evaluation": {"kitchen", "agents", "rendering", "scenarios"},
-    "commands": {"kitchen", "rendering", "agents", "envs", "evaluation", "scenarios", "baselines"},
+    "human": {"kitchen", "agents", "rendering"},
+    "commands": {"kitchen", "rendering", "agents", "envs", "evaluation", "human", "scenarios", "baselines"},
 }
 
 

@@ -1,0 +1,1 @@
+"""Recorded games: people's and agents' games in one file format, and who the people are."""
