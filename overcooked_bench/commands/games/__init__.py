@@ -1,0 +1,1 @@
+"""`overcooked-bench games`: one file per command of the group."""

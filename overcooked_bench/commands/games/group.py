@@ -1,0 +1,17 @@
+"""`overcooked-bench games`: recorded games of people and agents."""
+
+from typing import Any
+
+from overcooked_bench.commands.common import add_group
+from overcooked_bench.commands.games.exporting import add_export
+from overcooked_bench.commands.games.showing import add_show
+from overcooked_bench.commands.games.verifying import add_verify
+
+
+def add_games(commands: Any) -> None:
+    """Declares the group."""
+    inner = add_group(
+        commands, "games", "show, verify and export recorded games", "overcooked-bench games show me.games.jsonl"
+    )
+    for add in (add_show, add_verify, add_export):
+        add(inner)
