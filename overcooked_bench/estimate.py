@@ -65,6 +65,33 @@ def t_interval(values: ArrayLike, lowest: float = -np.inf, highest: float = np.i
     return Estimate(mean, float(max(lowest, mean - half)), float(min(highest, mean + half)))
 
 
+def ratio_interval(
+    amounts: ArrayLike, weights: ArrayLike, lowest: float = -np.inf, highest: float = np.inf
+) -> Estimate:
+    """Computes a ratio of two sums over independent units, with Student's t interval.
+
+    With equal weights it is the mean of the units' own ratios, and its interval that of `t_interval`.
+
+    Args:
+        amounts: (n,) what each unit counted, such as soups.
+        weights: (n,) what it is counted per, such as steps; from 0, their sum above 0.
+        lowest: The interval is clipped here, if nothing lower is possible.
+        highest: And here, if nothing higher is.
+
+    Returns:
+        An estimate without an interval if n < 2.
+
+    Source: Cochran 1977, "Sampling Techniques", 6.4 (the variance of a ratio estimate).
+    """
+    amount, weight = np.asarray(amounts, np.float64), np.asarray(weights, np.float64)
+    ratio, n = float(amount.sum() / weight.sum()), len(amount)
+    if n < 2:
+        return Estimate(ratio)
+    error = sqrt(n / (n - 1) * float(((amount - ratio * weight) ** 2).sum())) / float(weight.sum())
+    half = student(n - 1) * error
+    return Estimate(ratio, float(max(lowest, ratio - half)), float(min(highest, ratio + half)))
+
+
 def welch_interval(first: ArrayLike, second: ArrayLike) -> Estimate:
     """Computes the difference of two independent means, the first minus the second, with Welch's t interval.
 

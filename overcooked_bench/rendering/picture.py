@@ -42,9 +42,7 @@ def draw(
     Raises:
         ValueError: The tiles are too small to draw, or the state does not fit the layout.
     """
-    if tile_size < SMALLEST_TILE:
-        raise ValueError(f"tile_size={tile_size!r}; give at least {SMALLEST_TILE} pixels")
-    image = _background(layout.rows, tile_size).copy()
+    image = draw_layout(layout, tile_size=tile_size)
     for position in layout.positions("P"):
         _put(image, _pot(layout, state, position, tile_size), position, tile_size)
     for position, what in state.objects.items():
@@ -57,6 +55,27 @@ def draw(
     if caption is None and names is None:
         return image
     return np.concatenate([image, status_line(image.shape[1], caption_height(tile_size), caption or "", names)])
+
+
+def draw_layout(layout: Layout, *, tile_size: int = 48) -> Image:
+    """Draws a kitchen without chefs and objects: floor, counters, dispensers, empty pots and serving tiles.
+
+    Args:
+        layout: The floor plan.
+        tile_size: Pixels, at least 8.
+
+    Returns:
+        (H * tile_size, W * tile_size, 3) uint8.
+
+    Raises:
+        ValueError: The tiles are too small to draw.
+    """
+    if tile_size < SMALLEST_TILE:
+        raise ValueError(f"tile_size={tile_size!r}; give at least {SMALLEST_TILE} pixels")
+    image = _background(layout.rows, tile_size).copy()
+    for position in layout.positions("P"):
+        _put(image, sprites.pot((0, 0), -1, -1, tile_size), position, tile_size)
+    return image
 
 
 def _expect_inside(layout: Layout, position: tuple[int, int]) -> None:

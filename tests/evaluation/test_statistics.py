@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from overcooked_bench import estimate
-from overcooked_bench.estimate import t_interval, welch_interval
+from overcooked_bench.estimate import ratio_interval, t_interval, welch_interval
 from overcooked_bench.evaluation import statistics
 from overcooked_bench.evaluation.statistics import (
     describe_low_quantile,
@@ -49,6 +49,29 @@ def test_one_value_gives_no_interval():
 def test_an_interval_is_clipped_to_what_is_possible():
     assert t_interval([0, 0, 9], lowest=0).low == 0
     assert t_interval([5, 5, 4], highest=5).high == 5
+
+
+@given(st.lists(st.floats(-100, 100), min_size=2, max_size=8), st.floats(0.1, 1000))
+def test_a_ratio_over_units_of_one_size_is_the_mean_of_their_ratios(ratios, weight):
+    found = ratio_interval(np.array(ratios) * weight, [weight] * len(ratios))
+    assert tuple(found) == pytest.approx(tuple(t_interval(ratios)), abs=1e-9)
+
+
+def test_a_ratio_counts_large_units_more_and_a_single_one_has_no_interval():
+    assert ratio_interval([1, 30], [1, 10]).value == 31 / 11
+    assert tuple(ratio_interval([6], [2])) == (3, None, None)
+    assert tuple(ratio_interval([2, 20], [1, 10])) == (2, 2, 2)
+    assert ratio_interval([0, 9], [1, 1], lowest=0).low == 0
+
+
+def test_the_interval_of_a_ratio_covers_it():
+    rng = np.random.default_rng(3)
+    runs, covered = 600, 0
+    for _ in range(runs):
+        sizes = rng.uniform(0.5, 1.5, 15)
+        _, low, high = ratio_interval(sizes * rng.normal(5, 1, 15), sizes)
+        covered += low <= 5 <= high
+    assert 0.92 <= covered / runs <= 0.98
 
 
 @pytest.mark.parametrize(("seeds", "sd_seed"), [(3, 6.0), (5, 18.0)])
