@@ -66,6 +66,9 @@ def test_a_script_runs(text, tmp_path, monkeypatch):
         assert names["views"].shape == (4096, 2, 26, 4, 5)
     elif "scored" in names:
         assert (tmp_path / "scores" / "greedy-dev" / "report.html").is_file()
+    elif "games" in names:
+        assert names["games"] == [names["game"]]
+        assert names["seen"].shape == (1, 2, 22, 4, 5)
     else:
         assert environments
 

@@ -1,6 +1,7 @@
 """Games files are read as they were written, and nothing that did not happen is read from them."""
 
 import json
+from pathlib import Path
 
 import msgspec
 import pytest
@@ -166,6 +167,21 @@ def test_what_a_start_state_says_besides_is_dropped(tmp_path):
 def test_games_of_all_lengths_are_checked_together():
     games = [random_game(LAYOUTS[seed % 3], steps=5 + 7 * seed, seed=seed) for seed in range(6)]
     assert deliveries(games) == [game.soups for game in games]
+
+
+GOLDEN = Path(__file__).parents[1] / "data" / "upgrades" / "games-1" / "some.games.jsonl"
+
+
+def test_files_of_format_1_are_read_forever(tmp_path):
+    first, second, third = read_games(GOLDEN)
+    assert (first.layout, first.steps, first.soups, first.start) == ("cramped_room", 60, ((34, 0),), None)
+    assert (first.group, first.licence, first.notes) == ("2019-03", "MIT", "two lines\nof ünicode")
+    assert first.seats == (Player("human", "first"), Player("human", "second"))
+    assert (second.layout, second.steps, second.horizon) == ("forced_coordination-mirrored", 90, 400)
+    assert second.seats[0] == Player("agent", "greedy", "a" * 64)
+    assert (third.layout.count("\n"), third.cooking, third.first_state().chefs[0].holding) == (3, "manual", "onion")
+    write_games(tmp_path / "x.games.jsonl", [first, second, third])
+    assert (tmp_path / "x.games.jsonl").read_bytes() == GOLDEN.read_bytes()
 
 
 def test_a_player_is_known_by_what_it_is():
