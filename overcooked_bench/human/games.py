@@ -1,6 +1,6 @@
 """Games files (`*.games.jsonl`): one recorded game per line, checked by replay when they are read."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
@@ -28,6 +28,8 @@ _MOST_LINE: Final = 1 << 20  # bytes
 _MOST_FAULTS: Final = 100
 
 Soups = tuple[tuple[int, int], ...]
+OnProgress = Callable[[int, int], object]
+"""Called with the steps that have been played and those of all games."""
 
 
 class Checked(NamedTuple):
@@ -55,10 +57,14 @@ def read_games(path: str | Path) -> list[Game]:
     return games
 
 
-def check_games(path: str | Path) -> Checked:
+def check_games(path: str | Path, on_progress: OnProgress = lambda done, of: None) -> Checked:
     """Reads a games file as far as it can be read, and says what is wrong with the rest.
 
     It stops at the hundredth line that is not a game.
+
+    Args:
+        path: The file.
+        on_progress: Called while games are played.
 
     Raises:
         GamesError: The file cannot be read at all.
@@ -71,7 +77,8 @@ def check_games(path: str | Path) -> Checked:
                 games[number] = _parse(line, f"{shown(path)}:{number}")
             except WrongUse as error:
                 faults[number] = str(error)
-    for number, game, soups in zip(games, games.values(), deliveries(list(games.values())), strict=True):
+    played = deliveries(list(games.values()), on_progress)
+    for number, game, soups in zip(games, games.values(), played, strict=True):
         if soups != game.soups:
             faults[number] = f"{shown(path)}:{number}: {_deviation(game, soups)}"
     sound = [game for number, game in games.items() if number not in faults]
@@ -131,8 +138,12 @@ def record(
     return record_all([game])[0]
 
 
-def record_all(drafts: Sequence[Game]) -> list[Game]:
+def record_all(drafts: Sequence[Game], on_progress: OnProgress = lambda done, of: None) -> list[Game]:
     """Plays games and returns them with the soups that are delivered in them, whatever theirs were.
+
+    Args:
+        drafts: The games.
+        on_progress: Called while they are played.
 
     Raises:
         GamesError: A game cannot be played, or is not of the form of a `Game`.
@@ -141,14 +152,17 @@ def record_all(drafts: Sequence[Game]) -> list[Game]:
         games = [_normal(msgspec.convert(msgspec.to_builtins(draft), Game)) for draft in drafts]
     except msgspec.ValidationError as error:
         raise GamesError(f"not a game: {error}") from None
-    found = deliveries(games)
+    found = deliveries(games, on_progress)
     return [msgspec.structs.replace(game, soups=soups) for game, soups in zip(games, found, strict=True)]
 
 
-def deliveries(games: Sequence[Game]) -> list[Soups]:
+def deliveries(games: Sequence[Game], on_progress: OnProgress = lambda done, of: None) -> list[Soups]:
     """Plays games again; returns the (step, seat) of every delivery in each of them, paid for or not."""
     soups: list[list[tuple[int, int]]] = [[] for _ in games]
+    done, total = 0, sum(game.steps for game in games)
     for moment in replay(games):
+        done += len(moment.games)
+        on_progress(done, total)
         taken = moment.play().actions_taken
         assert taken is not None
         for row, seat in np.argwhere(taken & SERVED != 0).tolist():

@@ -1,11 +1,11 @@
 """`overcooked-bench games export`: the episodes of a score as a games file."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from overcooked_bench.commands.common import add_command, add_layouts
+from overcooked_bench.commands.common import ProgressBar, add_command, add_layouts
 
 if TYPE_CHECKING:
     from overcooked_bench.human.game import Game
@@ -28,7 +28,8 @@ def add_export(commands: Any) -> None:
 def _export(options: argparse.Namespace) -> int:
     from overcooked_bench.human.games import write_games
 
-    games = exported(options.score, options.layouts)
+    with ProgressBar("reading") as tell:
+        games = exported(options.score, options.layouts, lambda done, of: tell("replaying", done, of))
     file = Path(options.output)
     file.parent.mkdir(parents=True, exist_ok=True)
     write_games(file, games)
@@ -36,12 +37,17 @@ def _export(options: argparse.Namespace) -> int:
     return 0
 
 
-def exported(source: str | Path, layouts: Sequence[str] | None = None) -> "list[Game]":
+def exported(
+    source: str | Path,
+    layouts: Sequence[str] | None = None,
+    on_progress: Callable[[int, int], object] = lambda done, of: None,
+) -> "list[Game]":
     """Reads the episodes of a score as games, in the order of layout, training seed, start state, partner and seat.
 
     Args:
         source: The folder of the score, or its episodes.sqlite.
         layouts: Only these; all by default.
+        on_progress: Called with the steps that have been replayed and all there are.
 
     Raises:
         StoreError: There is no such score, or its episodes do not replay as they were stored.
@@ -84,4 +90,4 @@ def exported(source: str | Path, layouts: Sequence[str] | None = None) -> "list[
                     notes=one.cell,
                 )
             )
-    return record_all(drafts)
+    return record_all(drafts, on_progress)

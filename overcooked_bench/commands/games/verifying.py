@@ -3,7 +3,7 @@
 import argparse
 from typing import Any
 
-from overcooked_bench.commands.common import add_command, add_json, print_json
+from overcooked_bench.commands.common import ProgressBar, add_command, add_json, print_json
 
 
 def add_verify(commands: Any) -> None:
@@ -22,7 +22,8 @@ def add_verify(commands: Any) -> None:
 def _verify(options: argparse.Namespace) -> int:
     from overcooked_bench.human.games import check_games
 
-    games, faults = check_games(options.file)
+    with ProgressBar("reading") as tell:
+        games, faults = check_games(options.file, lambda done, of: tell("replaying", done, of))
     steps, soups = sum(game.steps for game in games), sum(len(game.soups) for game in games)
     if options.json:
         print_json({"sound": not faults, "games": len(games), "steps": steps, "soups": soups, "faults": faults})
