@@ -1,6 +1,6 @@
 """`conduct`: what people or agents do in their games on one layout, as numbers that can be compared."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import msgspec
@@ -139,12 +139,31 @@ def conduct(games: Sequence[Game]) -> Conduct:
     return _described(games[0].kitchen, total, [] if None in by_group else list(by_group.values()))
 
 
-def conducts(games: Sequence[Game]) -> list[Conduct]:
-    """Describes games of any layouts: one `Conduct` per layout, shipped layouts first, in the order of `list`."""
+def conducts(
+    games: Sequence[Game], on_progress: Callable[[str, int, int], None] = lambda what, done, of: None
+) -> list[Conduct]:
+    """Describes games of any layouts: one `Conduct` per layout, shipped layouts first, in the order of `list`.
+
+    Args:
+        games: Any number.
+        on_progress: Called per layout with its name, how many are done, and how many there are.
+
+    Raises:
+        WrongUse: A game cannot be played.
+    """
     shipped = layout_names()
-    layouts = sorted({game.layout for game in games}, key=lambda name: (name not in shipped, name))
+    layouts = sorted({game.layout for game in games})
     layouts.sort(key=lambda name: shipped.index(name) if name in shipped else len(shipped))
-    return [conduct([game for game in games if game.layout == layout]) for layout in layouts]
+    found = []
+    for done, layout in enumerate(layouts, start=1):
+        found.append(conduct([game for game in games if game.layout == layout]))
+        on_progress(layout, done, len(layouts))
+    return found
+
+
+def as_json(found: Sequence[Conduct]) -> bytes:
+    """Returns descriptions as indented JSON: a list of `Conduct`, as it is read with msgspec."""
+    return msgspec.json.format(msgspec.json.encode(found), indent=2) + b"\n"
 
 
 def _described(layout: Layout, total: Counts, pairs: Sequence[Counts]) -> Conduct:
