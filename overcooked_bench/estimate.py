@@ -1,6 +1,6 @@
 """`Estimate`: a number with its 95 % interval, and the intervals that every room uses."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import sqrt
 from typing import Final
 
@@ -105,17 +105,31 @@ def welch_interval(first: ArrayLike, second: ArrayLike) -> Estimate:
     Source: Welch 1947, "The generalization of 'Student's' problem when several different population variances are
     involved".
     """
-    pair = np.asarray(first, np.float64), np.asarray(second, np.float64)
-    difference = float(pair[0].mean() - pair[1].mean())
-    if min(map(len, pair)) < 2:
-        return Estimate(difference)
-    errors = [float(values.var(ddof=1)) / len(values) for values in pair]
-    total = sum(errors)
-    if not total:
-        return Estimate(difference, difference, difference)
-    freedom = total**2 / sum(error**2 / (len(values) - 1) for error, values in zip(errors, pair, strict=True))
-    half = student(freedom) * sqrt(total)
-    return Estimate(difference, difference - half, difference + half)
+    return weighted_interval([(1, first), (-1, second)])
+
+
+def weighted_interval(groups: Sequence[tuple[float, ArrayLike]]) -> Estimate:
+    """Computes a weighted sum of independent means with a t interval: their difference, or a mean of differences.
+
+    Args:
+        groups: Weights, and (n,) independent values of each group; variances and sizes may differ.
+
+    Returns:
+        An estimate without an interval if a group has fewer than two values.
+
+    Source: Satterthwaite 1946, "An approximate distribution of estimates of variance components".
+    """
+    weighted = [(weight, np.asarray(values, np.float64)) for weight, values in groups]
+    total = float(sum(weight * values.mean() for weight, values in weighted))
+    if min(len(values) for _, values in weighted) < 2:
+        return Estimate(total)
+    parts = [(weight**2 * float(values.var(ddof=1)) / len(values), len(values) - 1) for weight, values in weighted]
+    variance = sum(part for part, _ in parts)
+    if not variance:
+        return Estimate(total, total, total)
+    freedom = variance**2 / sum(part**2 / degrees for part, degrees in parts)
+    half = student(freedom) * sqrt(variance)
+    return Estimate(total, total - half, total + half)
 
 
 def wilson(passed: float, n: int) -> Estimate:

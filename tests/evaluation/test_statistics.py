@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from overcooked_bench import estimate
-from overcooked_bench.estimate import ratio_interval, t_interval, welch_interval
+from overcooked_bench.estimate import ratio_interval, t_interval, weighted_interval, welch_interval
 from overcooked_bench.evaluation import statistics
 from overcooked_bench.evaluation.statistics import (
     describe_low_quantile,
@@ -120,6 +120,24 @@ def test_the_welch_interval_is_that_of_scipy(n, m):
 def test_a_difference_of_single_values_has_no_interval():
     assert tuple(welch_interval([3], [1, 2])) == (1.5, None, None)
     assert tuple(welch_interval([3, 3], [1, 1])) == (2, 2, 2)
+
+
+def test_a_weighted_sum_of_means_has_the_interval_of_its_parts():
+    rng = np.random.default_rng(5)
+    one = rng.normal(50, 10, 6)
+    low, high = t_interval(one).interval
+    assert tuple(weighted_interval([(1, one)])) == pytest.approx(tuple(t_interval(one)))
+    assert tuple(weighted_interval([(-2, one)])) == pytest.approx((-2 * one.mean(), -2 * high, -2 * low))
+    halves = weighted_interval([(0.5, one), (0.5, one + 7)])  # equal variances: 10 degrees of freedom
+    half = stats.t.ppf(0.975, 10) * one.std(ddof=1) / 12**0.5
+    assert tuple(halves) == pytest.approx((one.mean() + 3.5, one.mean() + 3.5 - half, one.mean() + 3.5 + half))
+    assert weighted_interval([(1, one), (1, [3])]).interval is None
+    covered = 0
+    for _ in range(400):
+        groups = [(1 / 5, rng.normal(0, 10, 3)) for _ in range(5)] + [(-1 / 5, rng.normal(0, 20, 16)) for _ in range(5)]
+        low, high = weighted_interval(groups).interval
+        covered += low <= 0 <= high
+    assert covered > 0.92 * 400
 
 
 @pytest.mark.parametrize(("seeds", "chance"), [(3, 0.39), (5, 0.56), (10, 0.80), (19, 0.954)])
