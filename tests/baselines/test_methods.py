@@ -193,7 +193,7 @@ def test_a_pool_that_scores_is_known_by_every_way_to_name_it():
 
 def test_who_is_made_from_the_people_of_a_scoring_pool_has_met_its_partners(monkeypatch):
     monkeypatch.setattr(partners, "people_of", lambda _: ("2019-01",))
-    assert scoring_pools(["greedy"], ["2019-01", "2019-03"]) == [("dev", "dev-v0")]
+    assert ("dev", "dev-v0") in scoring_pools(["greedy"], ["2019-01", "2019-03"])
     assert scoring_pools(["greedy"], ["2019-03"]) == []
 
 
