@@ -34,7 +34,7 @@ from ..running.locks import locked
 from ..running.parts import checkpoints
 from ..running.place import CONFIG_FILE, Place, read_record, write_record
 from ..running.run import Outcome
-from .config import EARLY, FINAL, HALF, Kind, PoolConfig, Run
+from .config import CLONE, EARLY, FINAL, HALF, Kind, PoolConfig, Run
 
 AGENTS_FILE: Final = "agents.json"
 """A finished run's agents, in its folder: their entries, and where their policies lie."""
@@ -120,8 +120,8 @@ def _read_agents(file: Path) -> list[_Kept]:
 def _keep(run: Run, outcome: Outcome) -> dict[Kind, tuple[PolicyFiles, int, Measured]]:
     """Chooses the agents of a run that enter the pool, with the joint steps that each has had and what it does."""
     saved, shares = checkpoints(outcome, run.settings), {FINAL: 1.0}
-    if EARLY in run.group.keep:
-        shares[EARLY] = min(outcome.snapshots)
+    for kind in {EARLY, CLONE} & set(run.group.keep):
+        shares[kind] = min(outcome.snapshots)
     if HALF in run.group.keep:
         shares[HALF] = saved.half(but=shares.values())
     chosen: dict[Kind, tuple[PolicyFiles, int, Measured]] = {}

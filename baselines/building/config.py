@@ -25,13 +25,15 @@ from ..learning.settings import Settings
 from ..presets import PresetError, config_names, load_config
 from ..running.seeds import derive_seed
 
-Kind = Literal["final", "half", "early"]
+Kind = Literal["final", "half", "early", "clone"]
 FINAL: Final = "final"
 """The agent at the end of a run."""
 HALF: Final = "half"
 """The snapshot whose return with itself is nearest to half of the final one's."""
 EARLY: Final = "early"
 """The first snapshot."""
+CLONE: Final = "clone"
+"""The clone of people that a human proxy is before it is trained further."""
 
 
 MOST_RUNS: Final = 1000
@@ -73,13 +75,24 @@ class Group(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     snapshots: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        snapshots = sum(kind != FINAL for kind in self.keep)
+        snapshots = sum(kind in (HALF, EARLY) for kind in self.keep)
         left = sorted(set(self.snapshots))[int(EARLY in self.keep) :]
         for key, value, right, wanted in (
             ("count", self.count, 1 <= self.count <= MOST_RUNS, f"a number from 1 to {MOST_RUNS:,}"),
             ("first", self.first, self.first >= 0, "a number from 0"),
-            ("keep", list(self.keep), len(set(self.keep)) == len(self.keep) > 0, "final, half and early, each once"),
+            (
+                "keep",
+                list(self.keep),
+                len(set(self.keep)) == len(self.keep) > 0,
+                "kinds, each once",
+            ),
             ("snapshots", list(self.snapshots), len(set(self.snapshots)) >= snapshots, f"{snapshots} shares at least"),
+            (
+                "keep",
+                list(self.keep),
+                CLONE not in self.keep or self.method == "human-proxy",
+                "clone to human-proxy",
+            ),
             ("snapshots", list(self.snapshots), HALF not in self.keep or any(left), "one above 0 for half to be"),
         ):
             if not right:

@@ -93,6 +93,7 @@ class Learner(PPO):
 
     Attributes:
         pressure: The diversity bonus, or None.
+        lesson: A further term of the loss, computed from the policy as it is now, or None.
     """
 
     policy: TrunkPolicy
@@ -100,6 +101,7 @@ class Learner(PPO):
 
     def __init__(self, *arguments: Any, pressure: Pressure | None = None, **keywords: Any) -> None:
         self.pressure = pressure
+        self.lesson: Callable[[TrunkPolicy], torch.Tensor] | None = None
         super().__init__(*arguments, **{"rollout_buffer_class": CompactBuffer, **keywords})
 
     def collect_rollouts(
@@ -193,6 +195,10 @@ class Learner(PPO):
             bonus = self.pressure.bonus(logs, batch.others)
             loss = loss - bonus
             parts["kl_bonus"] = bonus.detach()
+        if self.lesson:
+            lesson = self.lesson(self.policy)
+            loss = loss + lesson
+            parts["lesson"] = lesson.detach()
         return loss, {name: value.detach() for name, value in parts.items()}
 
     def _whole_batch(self) -> Batch:

@@ -230,7 +230,7 @@ def resolved_config(settings: Settings, method: str, seed: int, known: dict[str,
     return plain
 
 
-def claim(place: Place, settings: Settings, method: str) -> None:
+def claim(place: Place, settings: Settings, method: str, known: dict[str, Any] | None = None) -> None:
     """Writes the configuration of a run that consists of several into its folder.
 
     Raises:
@@ -239,7 +239,7 @@ def claim(place: Place, settings: Settings, method: str) -> None:
     """
     _check_device(settings)
     make_env(settings)
-    resolved = resolved_config(settings, method, place.seed)
+    resolved = resolved_config(settings, method, place.seed, known)
     if place.resume:
         _check_config(place.folder, resolved)
     place.folder.mkdir(parents=True, exist_ok=True)

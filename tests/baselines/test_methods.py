@@ -23,7 +23,7 @@ from overcooked_bench.cli import main as command
 from overcooked_bench.commands.settings_options import described
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 from tests.baselines.running.test_checkpoint import press_ctrl_c
-from tests.baselines.tiny import SETTINGS, UPDATE, learned, same
+from tests.baselines.tiny import MADE, SETTINGS, UPDATE, learned, same
 
 OWN = {
     "self-play": {"object_probability": 0.5, "observation": "stack_channels"},
@@ -35,6 +35,10 @@ OWN = {
     "population": {
         **{"candidates": 2, "chosen": 2, "agents": 1, "per_episode": 2, "candidate_steps": 3 * UPDATE},
         **{"loss_coefficient": 0.1, "loss_clip": 0.15, "reward_coefficient": 0.1, "reward_clip": 0.05},
+    },
+    "human-proxy": {
+        **{"games": str(MADE), "partners": "clones", "agents": 2, "per_episode": 2},
+        **{"clone_epochs": 2, "lesson_batch": 8},
     },
 }
 """What each method is told besides the settings of a tiny run."""

@@ -1,5 +1,6 @@
 """A training run of a second, for the tests of the baselines."""
 
+from pathlib import Path
 from typing import Any
 
 import torch
@@ -10,6 +11,8 @@ from overcooked_bench.baselines.running.run import make_env
 from overcooked_bench.baselines.running.seeds import USER, derive_seed
 from overcooked_bench.baselines.self_play import METHOD, Config
 
+MADE = Path(__file__).parents[1] / "data" / "human" / "made.games.jsonl"
+"""Games of six made-up pairs on cramped_room, 120 steps each."""
 UPDATE = 64
 """Joint steps between two updates."""
 STEPS = 5 * UPDATE

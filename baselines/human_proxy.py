@@ -1,0 +1,191 @@
+"""Human proxies: clones of people in recorded games, and clones that were then trained to earn more without changing.
+
+A clone alone is a weak partner where a hand-over can fail in many ways: one odd step leads to states that no person
+was ever in. So the clone goes on to learn by PPO, with other clones of the same people as partners, and pays for its
+divergence from the clone. Both are kept: the clone, and the regularised one.
+
+Source: Carroll et al. 2019 (clones of the same games); Jaques et al. 2017, "Sequence Tutor", and Jacob et al. 2022,
+"Modeling strong and human-like gameplay with KL-regularized search" (a divergence from cloned play as the price of
+earning more).
+"""
+
+import hashlib
+from dataclasses import dataclass, replace
+from typing import Any, Final, Literal
+
+from overcooked_bench.agents.policies.ensemble import SampledPartners
+from overcooked_bench.agents.policies.policy import Policy, load_policy
+from overcooked_bench.errors import WrongUse
+from overcooked_bench.files import read_regular
+from overcooked_bench.human.games import MOST_BYTES, read_games
+from overcooked_bench.human.people import chosen, chosen_pairs
+from overcooked_bench.kitchen.layout import Layout
+
+from .cloning.bootstrap import bootstrap
+from .cloning.clone import CloneSettings
+from .cloning.examples import Examples, examples
+from .cloning.lesson import Lesson
+from .cloning.stage import Clone, clone
+from .learning.algorithms import make_learner
+from .learning.inputs import spreader
+from .learning.learner import Learner
+from .learning.pressure import Pressure
+from .learning.settings import SettingsError, check_draws
+from .running.partners import returns_with
+from .running.place import CONFIG_FILE, Place
+from .running.run import Outcome, Snapshot, UnfitError, claim, make_env, run
+
+METHOD: Final = "human-proxy"
+GAMES: Final = "runs/human/2019.games.jsonl"
+"""Where `overcooked-bench games import-2019` writes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config(CloneSettings):
+    """Clones people, then trains the clone with other clones of them."""
+
+    games: str = GAMES
+    """Games file of people; `overcooked-bench games import-2019` makes one."""
+    pairs: str = "A"
+    """Whom to learn from: A or B, which share no person, or a list such as 3,5 of pairs of 2019."""
+    stage: Literal["clone", "regularised"] = "regularised"
+    """clone: stop after cloning; regularised: then train the clone by PPO."""
+    coefficient: float = 0.1
+    """Weight of the divergence from the clone, in nats per step, in PPO's loss."""
+    lesson_coefficient: float = 0.5
+    """Weight of the divergence of the clone from the learner on the steps of the cloned people, in PPO's loss."""
+    lesson_batch: int = 512
+    """Steps of people in each minibatch of PPO."""
+    partners: Literal["itself", "clones"] = "itself"
+    """itself: it plays both seats and learns on both; clones: it plays one seat, and clones of other bootstraps of the
+    same pairs the other."""
+    agents: int = 3
+    """Number of those other clones."""
+    per_episode: int = 3
+    """How many of them play at a time."""
+    steps: int = 1_000_000
+    """Joint steps of training after cloning."""
+    rollout: int = 200
+    """Steps of each kitchen between updates."""
+    hidden: tuple[int, ...] = (128, 128)
+    """Widths of the fully connected layers that actor and critic share."""
+    learning_rate: float = 1e-3
+    """Adam's initial learning rate, annealed linearly."""
+    entropy_start: float = 0.0
+    """Initial entropy coefficient; the divergence from the clone keeps the policy from becoming certain."""
+    entropy_end: float = 0.0
+    """Final entropy coefficient."""
+    shaping_share: float = 1.0
+    """Share of the steps over which the weight of partial rewards is annealed linearly from 1 to 0."""
+
+    def __post_init__(self) -> None:
+        """Checks the cloning too.
+
+        Raises:
+            SettingsError: Names the setting and what it may be.
+        """
+        CloneSettings.__post_init__(self)
+        for name in ("coefficient", "lesson_coefficient"):
+            if getattr(self, name) < 0:
+                raise SettingsError(f"{name}={getattr(self, name)}; give a number from 0")
+        if self.lesson_batch < 1:
+            raise SettingsError(f"lesson_batch={self.lesson_batch}; give a number from 1")
+        if self.agents < 1:
+            raise SettingsError(f"agents={self.agents}; train one other clone or more")
+        check_draws(self.per_episode, min(self.num_kitchens, self.agents))
+        if self.snapshots:
+            raise SettingsError(
+                f"snapshots={self.snapshots}; leave them out, the clone alone is kept beside the last policy"
+            )
+        chosen_pairs(self.pairs)
+
+    @property
+    def learning_seats(self) -> int:
+        """Number of chefs per kitchen whose experience trains the policy."""
+        return 2 if self.partners == "itself" else 1
+
+    @property
+    def people(self) -> tuple[str, ...]:
+        """The pairs of people that are cloned."""
+        return chosen_pairs(self.pairs)
+
+
+def train(config: Config, place: Place) -> Outcome | None:
+    """Clones people, trains the clone further, freezes both and evaluates them.
+
+    Returns:
+        The outcome of the last stage, with the clone as its only snapshot; None if it was interrupted and saved.
+
+    Raises:
+        GamesError: The games file is missing, or a game does not replay.
+        WrongUse: The file has too few of these people on the layout.
+        CheckpointError: The folder holds another run, or something damaged.
+    """
+    digest = hashlib.sha256(read_regular(config.games, MOST_BYTES, raises=UnfitError)).hexdigest()
+    rows = people_of(config)
+
+    def cloned(part: str) -> Clone:
+        own = place.part(part, part)
+        return clone(config, own, bootstrap(rows.people, own.seed), rows)
+
+    first = cloned("clone")
+    known: dict[str, Any] = {
+        "games_sha256": digest,
+        "drawn": list(first.sample.drawn),
+        "held_out": list(first.sample.held_out),
+        "clone_nats": round(first.nats, 4),
+    }
+    clone_itself = Snapshot(first.files, first.steps)
+    place = replace(place, resume=(place.folder / CONFIG_FILE).exists())
+    if config.stage == "clone":
+        claim(place, config, METHOD, known)
+        return Outcome(first.files, first.returns, first.steps, first.seconds, {0.0: clone_itself})
+    others: list[Policy] = []
+    if config.partners == "clones":
+        others = [load_policy(cloned(f"partner-{k}").files.weights) for k in range(config.agents)]
+
+    def make(seed: int) -> Learner:
+        if others:
+            env = make_env(config, partners=[SampledPartners(others, config.per_episode)])
+        else:
+            env = make_env(config, self_play=True)
+        spread = spreader(Layout.load(config.layout), config.observation, env.observation_space.shape or ())
+        anchor = Pressure(
+            [load_policy(first.files.weights)], spread, loss_coefficient=-config.coefficient, loss_clip=0.0
+        )
+        model = make_learner(config, env, seed, anchor if config.coefficient else None)
+        first.restore(model)
+        if config.lesson_coefficient:
+            drawn = rows.of(first.sample.drawn)
+            model.lesson = Lesson(model.policy, drawn, config.lesson_coefficient, config.lesson_batch)
+        return model
+
+    outcome = run(config, METHOD, place, make, known=known)
+    if outcome is None:
+        return None
+    outcome = replace(
+        outcome,
+        steps=first.steps + outcome.steps,
+        seconds=first.seconds + outcome.seconds,
+        snapshots={0.0: clone_itself},
+    )
+    if not others:
+        return outcome
+    return replace(outcome, with_partners=returns_with(outcome.files, others, config, max(1, 100 // len(others))))
+
+
+def people_of(config: Config) -> Examples:
+    """Returns what the chosen people did on the layout.
+
+    Raises:
+        GamesError: The games file is missing, or a game does not replay.
+        WrongUse: They have no game there.
+    """
+    layout = Layout.load(config.layout).name
+    games = [game for game in chosen(read_games(config.games), config.pairs) if game.layout == layout]
+    if not games:
+        raise WrongUse(f"{config.games}: no game of the pairs {config.pairs} on {layout!r}")
+    strange = sorted({game.cooking for game in games} - {config.cooking})
+    if strange:
+        raise WrongUse(f"{config.games}: games of cooking {strange[0]!r}; train with --cooking {strange[0]}")
+    return examples(games, config.layout, config.observation, config.gamma)
