@@ -7,18 +7,13 @@ from typing import Final, Literal
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.files import shown
 from overcooked_bench.human.game import Game
+from overcooked_bench.kitchen.layout import CLASSIC
 
 PAIRS_2019: Final = tuple(f"2019-{pair:02d}" for pair in range(17))
 SETS: Final = {"A": PAIRS_2019[0::2], "B": PAIRS_2019[1::2]}
 """Set A trains, for agents that are trained with people and for the human stratum of pools; set B only tests."""
 
-LAYOUTS_2019: Final = (
-    "cramped_room",
-    "asymmetric_advantages",
-    "coordination_ring",
-    "forced_coordination",
-    "counter_circuit",
-)
+LAYOUTS_2019: Final = CLASSIC
 
 
 def set_of(group: str | None) -> Literal["A", "B"] | None:

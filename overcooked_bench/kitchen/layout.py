@@ -20,13 +20,15 @@ from overcooked_bench.shelf import Shelf, guess
 MIRRORED = "-mirrored"
 MOST_CELLS = 4096
 
-_CLASSIC: Final = (
+CLASSIC: Final = (
     "cramped_room",
     "asymmetric_advantages",
     "coordination_ring",
     "forced_coordination",
     "counter_circuit",
 )
+"""The layouts of the studies since Carroll et al. 2019."""
+
 _MENU: Final = ("orders", "bonus_orders", "order_bonus", "soup_reward", "cook_time")
 
 
@@ -36,7 +38,7 @@ _SHELF: Final = Shelf(
     ".layout",
     LayoutError,
     "a .layout file or a grid of several lines",
-    first=_CLASSIC,
+    first=CLASSIC,
 )
 
 

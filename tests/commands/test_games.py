@@ -72,9 +72,9 @@ def test_a_file_that_deviates_is_named_with_line_and_step(capsys):
 
 @pytest.mark.slow
 def test_a_score_is_exported_and_its_games_are_those_that_were_played(scored, capsys):
-    assert main(["games", "export", "scored", "--output", "new/all.games.jsonl"]) == 0
-    assert capsys.readouterr().out == f"{Path('new/all.games.jsonl')}  16 games, 640 steps\n"
-    games = read_games("new/all.games.jsonl")
+    assert main(["games", "export", "scored"]) == 0
+    assert capsys.readouterr().out == f"{Path('scored/episodes.games.jsonl')}  16 games, 640 steps\n"
+    games = read_games("scored/episodes.games.jsonl")
     with Store("scored/episodes.sqlite") as store:
         episodes, agent = list(store.episodes()), store.facts["agent"]
     for game, one in zip(games, episodes, strict=True):
@@ -87,9 +87,10 @@ def test_a_score_is_exported_and_its_games_are_those_that_were_played(scored, ca
             one.ego_soups,
             one.partner_soups,
         ]
-    assert main(["games", "export", "scored", "--layouts", "forced_coordination", "--output", "one.games.jsonl"]) == 0
-    assert read_games("one.games.jsonl") == [game for game in games if game.layout == "forced_coordination"]
-    assert main(["games", "export", "scored", "--layouts", "bottleneck", "--output", "x.games.jsonl"]) == 2
+    one = "forced_coordination"
+    assert main(["games", "export", "scored/episodes.sqlite", "--layouts", one, "--output", "new/one"]) == 0
+    assert read_games("new/one/episodes.games.jsonl") == [game for game in games if game.layout == one]
+    assert main(["games", "export", "scored", "--layouts", "bottleneck"]) == 2
     assert "no episodes on bottleneck; there are cramped_room, forced" in capsys.readouterr().err
 
 
@@ -109,8 +110,7 @@ def test_a_game_is_replayed_and_written_as_a_gif(capsys):
         (["games", "show", "none.games.jsonl"], "no such file"),
         (["games", "show", "wrong.games.jsonl"], "wrong.games.jsonl:1: step 2"),
         (["games", "verify", "."], "a folder"),
-        (["games", "export", "nowhere", "--output", "x.games.jsonl"], "no such file"),
-        (["games", "export", "scored"], "required: --output"),
+        (["games", "export", "nowhere"], "no such file"),
         (["replay", "some.games.jsonl", "--game", "2"], "no game 2; it has games 0 to 1"),
         (["replay", "some.games.jsonl", "--training-seed", "0"], "--training-seed chooses among the episodes"),
         (["replay", "scored", "--game", "0"], "--game chooses a game of a games file"),

@@ -5,10 +5,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from overcooked_bench.commands.common import ProgressBar, add_command, add_layouts
+from overcooked_bench.commands.common import ProgressBar, add_command, add_layouts, add_output
 
 if TYPE_CHECKING:
     from overcooked_bench.human.game import Game
+
+_NAME = "episodes.games.jsonl"
 
 
 def add_export(commands: Any) -> None:
@@ -18,19 +20,20 @@ def add_export(commands: Any) -> None:
         "export",
         _export,
         "write the episodes of a score to a games file",
-        "overcooked-bench games export scores/greedy-dev --layouts cramped_room --output greedy.games.jsonl",
+        "overcooked-bench games export scores/greedy-dev --layouts cramped_room",
     )
     parser.add_argument("score", metavar="DIR", help="the folder of a score, or its episodes.sqlite")
-    parser.add_argument("--output", metavar="FILE", required=True, help="the games file to write")
     add_layouts(parser)
+    add_output(parser, f"the folder of the score; the file in it is {_NAME}")
 
 
 def _export(options: argparse.Namespace) -> int:
+    from overcooked_bench.evaluation.scores import EPISODES_FILE, in_folder
     from overcooked_bench.human.games import write_games
 
     with ProgressBar("reading") as tell:
         games = exported(options.score, options.layouts, lambda done, of: tell("replaying", done, of))
-    file = Path(options.output)
+    file = Path(options.output or in_folder(options.score, EPISODES_FILE).parent) / _NAME
     file.parent.mkdir(parents=True, exist_ok=True)
     write_games(file, games)
     print(f"{file}  {len(games):,} games, {sum(game.steps for game in games):,} steps")

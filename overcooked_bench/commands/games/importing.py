@@ -3,9 +3,10 @@
 import argparse
 from typing import Any
 
-from overcooked_bench.commands.common import ProgressBar, add_command, add_json, console, print_json
+from overcooked_bench.commands.common import ProgressBar, add_command, add_json, add_output, console, print_json
 
-_OUTPUT = "runs/human/2019.games.jsonl"
+_FOLDER = "runs/human"
+_NAME = "2019.games.jsonl"
 
 
 def add_import_2019(commands: Any) -> None:
@@ -20,10 +21,10 @@ def add_import_2019(commands: Any) -> None:
     parser.add_argument(
         "--file",
         metavar="SDIST",
-        help="overcooked_ai-1.1.0.tar.gz, read without running anything in it (default: download it with pip, which "
-        "checks its hash and runs its setup.py)",
+        help="overcooked_ai-1.1.0.tar.gz, read without running anything (default: download it with pip, which checks "
+        "its hash, then fetches the newest setuptools, unchecked, and runs its setup.py)",
     )
-    parser.add_argument("--output", metavar="FILE", default=_OUTPUT, help=f"file to write (default: {_OUTPUT})")
+    add_output(parser, f"{_FOLDER}; the file in it is {_NAME}")
     add_json(parser)
 
 
@@ -40,7 +41,7 @@ def _import(options: argparse.Namespace) -> int:
         imported = import_games(
             unpack(data, options.file or FILE), on_progress=lambda done, of: tell("replaying", done, of)
         )
-    output = Path(options.output)
+    output = Path(options.output or _FOLDER) / _NAME
     output.parent.mkdir(parents=True, exist_ok=True)
     write_games(output, imported.games)
     digest, counts = digest_of(output.read_bytes()), count(imported)

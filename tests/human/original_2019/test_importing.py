@@ -174,9 +174,9 @@ def test_a_table_must_have_the_columns(played):
 
 
 def test_the_command_writes_a_games_file_and_says_what_it_holds(pickles, tmp_path, monkeypatch, capsys):
-    file, output = tmp_path / "x.tar.gz", tmp_path / "new" / "x.games.jsonl"
+    file, output = tmp_path / "x.tar.gz", tmp_path / "new" / "2019.games.jsonl"
     file.write_bytes(sdist(pickles))
-    wanted = ["games", "import-2019", "--file", str(file), "--output", str(output)]
+    wanted = ["games", "import-2019", "--file", str(file), "--output", str(output.parent)]
     assert main(wanted) == 2
     assert "and the source distribution of overcooked-ai 1.1.0 has 478bf319" in capsys.readouterr().err
     assert not output.parent.exists()
@@ -198,6 +198,6 @@ def test_the_command_exits_with_1_if_a_game_differs(played, tmp_path, monkeypatc
     file = tmp_path / "x.tar.gz"
     file.write_bytes(sdist({"train": wrong, "test": table(played["other"])}))
     monkeypatch.setattr(distribution, "SHA256", distribution.digest_of(file.read_bytes()))
-    assert main(["games", "import-2019", "--file", str(file), "--output", str(tmp_path / "x.games.jsonl")]) == 1
+    assert main(["games", "import-2019", "--file", str(file), "--output", str(tmp_path / "new")]) == 1
     assert "cramped_room, rows 0 to 99, step 2: recorded is 5 points, replayed 0" in capsys.readouterr().err
-    assert not (tmp_path / "x.games.jsonl").exists()
+    assert not (tmp_path / "new").exists()
