@@ -17,13 +17,14 @@ from overcooked_bench.agents.policies.ensemble import SampledPartners
 from overcooked_bench.agents.policies.policy import Policy, load_policy
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.files import read_regular
+from overcooked_bench.human.game import GamesError
 from overcooked_bench.human.games import MOST_BYTES, read_games
 from overcooked_bench.human.people import chosen, chosen_pairs
 from overcooked_bench.kitchen.layout import Layout
 
 from .cloning.bootstrap import bootstrap
 from .cloning.clone import CloneSettings
-from .cloning.examples import Examples, examples
+from .cloning.examples import Examples, examples, people_in
 from .cloning.lesson import Lesson
 from .cloning.stage import Clone, clone
 from .learning.algorithms import make_learner
@@ -33,7 +34,7 @@ from .learning.pressure import Pressure
 from .learning.settings import SettingsError, check_draws
 from .running.partners import returns_with
 from .running.place import CONFIG_FILE, Place
-from .running.run import Outcome, Snapshot, UnfitError, claim, make_env, run
+from .running.run import Outcome, Snapshot, check_device, claim, make_env, run
 
 METHOD: Final = "human-proxy"
 GAMES: Final = "runs/human/2019.games.jsonl"
@@ -47,7 +48,7 @@ class Config(CloneSettings):
     games: str = GAMES
     """Games file of people; `overcooked-bench games import-2019` makes one."""
     pairs: str = "A"
-    """Whom to learn from: A or B, which share no person, or a list such as 3,5 of pairs of 2019."""
+    """Whom to learn from: A or B, which share no person, or a list of pairs of 2019 or other groups, such as 3,5,7."""
     stage: Literal["clone", "regularised"] = "regularised"
     """clone: stop after cloning; regularised: then train the clone by PPO."""
     coefficient: float = 0.1
@@ -92,7 +93,10 @@ class Config(CloneSettings):
             raise SettingsError(f"lesson_batch={self.lesson_batch}; give a number from 1")
         if self.agents < 1:
             raise SettingsError(f"agents={self.agents}; train one other clone or more")
-        check_draws(self.per_episode, min(self.num_kitchens, self.agents))
+        if self.partners == "clones":
+            check_draws(self.per_episode, self.num_kitchens)
+            if self.per_episode > self.agents:
+                raise SettingsError(f"per_episode={self.per_episode}; draw at most the {self.agents} other clones")
         if self.snapshots:
             raise SettingsError(
                 f"snapshots={self.snapshots}; leave them out, the clone alone is kept beside the last policy"
@@ -120,8 +124,10 @@ def train(config: Config, place: Place) -> Outcome | None:
         GamesError: The games file is missing, or a game does not replay.
         WrongUse: The file has too few of these people on the layout.
         CheckpointError: The folder holds another run, or something damaged.
+        UnfitError: The settings do not fit the layout, or there is no such device.
     """
-    digest = hashlib.sha256(read_regular(config.games, MOST_BYTES, raises=UnfitError)).hexdigest()
+    check_device(config)
+    digest = hashlib.sha256(read_regular(config.games, MOST_BYTES, raises=GamesError)).hexdigest()
     rows = people_of(config)
 
     def cloned(part: str) -> Clone:
@@ -150,6 +156,7 @@ def train(config: Config, place: Place) -> Outcome | None:
         else:
             env = make_env(config, self_play=True)
         spread = spreader(Layout.load(config.layout), config.observation, env.observation_space.shape or ())
+        # a bonus of less than 0: the price of the divergence
         anchor = Pressure(
             [load_policy(first.files.weights)], spread, loss_coefficient=-config.coefficient, loss_clip=0.0
         )
@@ -179,12 +186,14 @@ def people_of(config: Config) -> Examples:
 
     Raises:
         GamesError: The games file is missing, or a game does not replay.
-        WrongUse: They have no game there.
+        WrongUse: They have no game there, or games of another cooking mode.
     """
     layout = Layout.load(config.layout).name
-    games = [game for game in chosen(read_games(config.games), config.pairs) if game.layout == layout]
+    theirs = [game for game in chosen(read_games(config.games), config.pairs) if people_in(game)]
+    games = [game for game in theirs if game.kitchen.name == layout]
     if not games:
-        raise WrongUse(f"{config.games}: no game of the pairs {config.pairs} on {layout!r}")
+        known = ", ".join(sorted({repr(game.kitchen.name) for game in theirs})) or "no layout"
+        raise WrongUse(f"{config.games}: no game of the pairs {config.pairs} on {layout!r}; they played {known}")
     strange = sorted({game.cooking for game in games} - {config.cooking})
     if strange:
         raise WrongUse(f"{config.games}: games of cooking {strange[0]!r}; train with --cooking {strange[0]}")

@@ -4,7 +4,7 @@ Source: Carroll et al. 2019, "On the Utility of Learning about Humans for Human-
 the same recorded games). Held-out people decide when to stop, not held-out steps, which their neighbours give away.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import torch
@@ -61,9 +61,9 @@ class Fitted:
 
 
 def log_likelihoods(policy: TrunkPolicy, examples: Examples) -> torch.Tensor:
-    """Returns the (N, 6) log-probabilities of all actions."""
+    """Returns the (N, 6) log-probabilities of all actions, in main memory."""
     with torch.no_grad():
-        return torch.cat([policy.judge(seen)[0] for seen in torch.split(examples.seen, _CHUNK)])
+        return torch.cat([policy.judge(seen.to(policy.device))[0].cpu() for seen in torch.split(examples.seen, _CHUNK)])
 
 
 def nats_per_step(logs: torch.Tensor, examples: Examples) -> float:
@@ -77,7 +77,14 @@ def nats_per_step(logs: torch.Tensor, examples: Examples) -> float:
     return float(sum(said[examples.pairs == name].mean() for name in examples.people) / len(examples.people))
 
 
-def fit(policy: TrunkPolicy, drawn: Examples, held_out: Examples, settings: CloneSettings, seed: int) -> Fitted:
+def fit(
+    policy: TrunkPolicy,
+    drawn: Examples,
+    held_out: Examples,
+    settings: CloneSettings,
+    seed: int,
+    on_epoch: Callable[[int, float], object] = lambda epoch, nats: None,
+) -> Fitted:
     """Trains a policy until it foretells held-out people no better; the critic learns the returns beside it.
 
     The critic reads what the trunk makes for the actor, and leaves the trunk as it is.
@@ -88,6 +95,7 @@ def fit(policy: TrunkPolicy, drawn: Examples, held_out: Examples, settings: Clon
         held_out: Of other people.
         settings: How; the optimizer is Adam with decoupled weight decay (Loshchilov and Hutter 2019).
         seed: Of the order of the rows.
+        on_epoch: Called after each pass with its number and the `nats` of the held-out pairs.
     """
     order = torch.Generator().manual_seed(seed)
     optimizer = torch.optim.AdamW(
@@ -96,13 +104,17 @@ def fit(policy: TrunkPolicy, drawn: Examples, held_out: Examples, settings: Clon
     best, kept = Fitted(0, nats_per_step(log_likelihoods(policy, held_out), held_out)), _weights(policy)
     for epoch in range(1, settings.clone_epochs + 1):
         for rows in _batches(len(drawn), settings.clone_batch, order):
-            logs, values = _judge(policy, drawn.seen[rows])
-            loss = torch.nn.functional.nll_loss(logs, drawn.actions[rows])
-            loss = loss + torch.nn.functional.mse_loss(values, drawn.returns[rows]) / 1000  # points squared
+            seen, actions, returns = (
+                part[rows].to(policy.device) for part in (drawn.seen, drawn.actions, drawn.returns)
+            )
+            logs, values = _judge(policy, seen)
+            loss = torch.nn.functional.nll_loss(logs, actions)
+            loss = loss + torch.nn.functional.mse_loss(values, returns) / 1000  # points squared
             optimizer.zero_grad()
             loss.backward()  # type: ignore[no-untyped-call]
             optimizer.step()
         nats = nats_per_step(log_likelihoods(policy, held_out), held_out)
+        on_epoch(epoch, nats)
         if nats < best.nats:
             best, kept = Fitted(epoch, nats), _weights(policy)
         if epoch - best.epochs >= settings.clone_patience:

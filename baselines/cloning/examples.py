@@ -1,6 +1,6 @@
 """What people saw and did in recorded games, as rows that a network learns from.
 
-Axes: N rows, two for each step of a game, L live inputs.
+Axes: N rows, one for each step of a game and each person in it, L live inputs.
 """
 
 from collections.abc import Sequence
@@ -20,14 +20,14 @@ from overcooked_bench.kitchen.observations.registry import find_observation
 
 @dataclass(frozen=True)
 class Examples:
-    """Rows of some games, game by game, chef by chef, step by step.
+    """Rows of some games: game by game, then its mirror image if that counts, chef by chef, step by step.
 
     Attributes:
         seen: (N, L) live inputs of an observation before each step.
         actions: (N,) int64, what the chef did.
         returns: (N,) float32, discounted points that the pair earned from this step on.
         pairs: (N,) of text, the group of people.
-        firsts: (N,) bool, whether the row is the first of its game and chef.
+        firsts: (N,) bool, whether the row is a game's first step.
     """
 
     seen: torch.Tensor
@@ -54,12 +54,12 @@ class Examples:
 
 
 def examples(games: Sequence[Game], layout: str, observation: str, gamma: float) -> Examples:
-    """Replays games and keeps what both chefs saw and did.
+    """Replays games and keeps what the people in them saw and did.
 
-    On a layout that is its own mirror image each game also counts mirrored.
+    On a layout that is its own mirror image each game also counts mirrored, if the observation can be mirrored.
 
     Args:
-        games: Of one layout.
+        games: Of one layout, each with a person in it.
         layout: The layout, as `Layout.load` takes it.
         observation: Name of an observation.
         gamma: Discount factor of `Examples.returns` per step.
@@ -67,29 +67,32 @@ def examples(games: Sequence[Game], layout: str, observation: str, gamma: float)
     kitchen, shown_as = Layout.load(layout), find_observation(observation)
     live = shown_as.live(kitchen).places
     views = [False, True] if _is_symmetric(kitchen) and shown_as.can_mirror else [False]
-    steps: list[list[list[NDArray[Any]]]] = [
-        [[] for _ in views] for _ in games
-    ]  # of each game and view: what both chefs see, (2, L)
+    shown = [np.empty((len(views), game.steps, 2, len(live)), shown_as.dtype) for game in games]
     points = [np.zeros(game.steps, np.float32) for game in games]
     for moment in replay(games, observations=[observation]):
         observed = moment.observe(observation)
+        where = list(zip(moment.games.tolist(), moment.steps.tolist(), strict=True))
         for k, mirror in enumerate(views):
             seen = (shown_as.mirrored(observed) if mirror else observed).reshape(len(observed), 2, -1)[..., live]
-            for row, game in enumerate(moment.games.tolist()):
-                steps[game][k].append(seen[row])
-        brought = moment.play().soup_reward.sum(axis=1)
-        for game, step, earned in zip(moment.games.tolist(), moment.steps.tolist(), brought.tolist(), strict=True):
+            for (game, step), row in zip(where, seen, strict=True):
+                shown[game][k, step] = row
+        for (game, step), earned in zip(where, moment.play().soup_reward.sum(axis=1), strict=True):
             points[game][step] = earned
     columns: list[tuple[NDArray[Any], ...]] = []
-    for game, shown, earned in zip(games, steps, points, strict=True):
-        returns, first = _discounted(earned, gamma), np.arange(game.steps) == 0
-        who = np.full(game.steps, game.group or "-")
-        for mirror, seen in zip(views, map(np.stack, shown), strict=True):
-            actions = game.joint_actions().astype(np.int64)
+    for recorded, seen, brought in zip(games, shown, points, strict=True):
+        returns, first = _discounted(brought, gamma), np.arange(recorded.steps) == 0
+        who = np.full(recorded.steps, recorded.group or "-")
+        for k, mirror in enumerate(views):
+            actions = recorded.joint_actions().astype(np.int64)
             actions = mirror_actions(actions) if mirror else actions
-            columns += [(seen[:, chef], actions[:, chef], returns, who, first) for chef in range(2)]
+            columns += [(seen[k, :, chef], actions[:, chef], returns, who, first) for chef in people_in(recorded)]
     seen, done, returns, pairs, firsts = (np.concatenate(column) for column in zip(*columns, strict=True))
     return Examples(torch.from_numpy(seen), torch.from_numpy(done), torch.from_numpy(returns), pairs, firsts)
+
+
+def people_in(game: Game) -> list[int]:
+    """Returns the seats of a game on which people sat."""
+    return [chef for chef, player in enumerate(game.seats) if player.kind == "human"]
 
 
 def _is_symmetric(layout: Layout) -> bool:

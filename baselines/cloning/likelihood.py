@@ -28,7 +28,7 @@ class Foretold(NamedTuple):
 
 
 def foretell(policy: Policy, rows: Examples) -> Foretold:
-    """Judges a frozen policy on rows of its own observation."""
+    """Judges a frozen policy on rows of its own observation and layout."""
     return _judged(policy_logs(policy, rows), rows)
 
 

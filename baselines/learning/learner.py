@@ -1,7 +1,7 @@
 """PPO of stable-baselines3 with both loops rewritten: compact rows, one forward pass per batch, and a hook.
 
 What is learned is SB3's PPO; only how the batch is stored, shuffled and fed differs (`collect_rollouts`, `train`), and
-that a `Pressure` may change the rewards of a finished rollout and add a term to the loss.
+that a `Pressure` may change the rewards of a finished rollout and add a term to the loss, and a `lesson` another one.
 
 Axes: T steps of a rollout, R rows (learning seats of all kitchens), B = T R samples, in minibatches of M.
 """
@@ -165,7 +165,7 @@ class Learner(PPO):
         self.logger.record("train/clip_range", clip)
 
     def loss(self, batch: Batch, clip: float) -> tuple[torch.Tensor, dict[str, torch.Tensor]]:
-        """Computes PPO's loss, with the diversity bonus.
+        """Computes PPO's loss, with the diversity bonus and the lesson.
 
         Args:
             batch: A minibatch.

@@ -163,7 +163,7 @@ def run(
         CheckpointError: There is nothing to resume from, it is damaged, or it belongs to another configuration.
         UnfitError: The settings do not fit the layout, or there is no such device.
     """
-    _check_device(settings)
+    check_device(settings)
     torch.set_num_threads(settings.threads)  # also for what is measured after a run that was finished before
     resolved = resolved_config(settings, method, place.seed, known)
     output, checkpoint = place.folder, place.folder / CHECKPOINT
@@ -237,7 +237,7 @@ def claim(place: Place, settings: Settings, method: str, known: dict[str, Any] |
         CheckpointError: The folder holds another one's.
         UnfitError: The settings do not fit the layout, or there is no such device.
     """
-    _check_device(settings)
+    check_device(settings)
     make_env(settings)
     resolved = resolved_config(settings, method, place.seed, known)
     if place.resume:
@@ -246,7 +246,12 @@ def claim(place: Place, settings: Settings, method: str, known: dict[str, Any] |
     write_record(place.folder / CONFIG_FILE, resolved)
 
 
-def _check_device(settings: Settings) -> None:
+def check_device(settings: Settings) -> None:
+    """Makes sure that there is the device to train on.
+
+    Raises:
+        UnfitError: There is none.
+    """
     if settings.device == "cuda" and not torch.cuda.is_available():  # SB3 would take the processor without a word
         raise UnfitError("device='cuda', but torch finds no GPU here; give --device cpu")
 
