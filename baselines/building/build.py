@@ -91,7 +91,7 @@ def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
             steps=done,
             self_play=found.self_play,
             configuration=run.configuration,
-            checkpoint=round(done / outcome.steps, 4),
+            checkpoint=round(done / outcome.steps, 4) if outcome.steps else 1.0,
             profile=found.profile,
         )
         record = Entry(

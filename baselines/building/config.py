@@ -91,7 +91,7 @@ class Group(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
                 "keep",
                 list(self.keep),
                 CLONE not in self.keep or self.method == "human-proxy",
-                "clone to human-proxy",
+                "clone to runs of human-proxy alone",
             ),
             ("snapshots", list(self.snapshots), HALF not in self.keep or any(left), "one above 0 for half to be"),
         ):

@@ -26,7 +26,7 @@ from overcooked_bench.processes import start_process
 from tests.agents.made import record, write_policy
 from tests.baselines.pools import OVERRIDES, THREE_AGENTS, group, pool_config, write_config
 from tests.baselines.running.test_checkpoint import press_ctrl_c
-from tests.baselines.tiny import UPDATE, tiny
+from tests.baselines.tiny import MADE, UPDATE, tiny
 
 LAYOUT = "cramped_room"
 
@@ -39,6 +39,30 @@ def built(tmp_path_factory):
         assert train_run(run, home / "runs" / run.path)
         publish(run, home / "runs" / run.path, home / "pool")
     return home
+
+
+def test_a_human_proxy_gives_its_clone_and_its_last_policy(tmp_path):
+    overrides = {**OVERRIDES, "games": str(MADE), "clone_epochs": 2, "lesson_batch": 8}
+    proxies = {"method": "human-proxy", "overrides": overrides}
+    config = pool_config(
+        tmp_path,
+        group("human", **proxies, keep=["final", "clone"]),
+        group("cloned", **proxies | {"overrides": overrides | {"stage": "clone"}}, first=1),
+    )
+    for run in config.runs():
+        assert train_run(run, tmp_path / "runs" / run.path)
+        publish(run, tmp_path / "runs" / run.path, tmp_path / "pool")
+    agents = {agent.name: agent for agent in Pool.load(tmp_path / "pool").agents(LAYOUT)}
+    assert {name: round(agent.trained.done, 2) == 1 for name, agent in agents.items()} == {
+        **{"cloned-0": True, "human-0": True, "human-0-clone": False}
+    }
+    assert {agent.stratum for agent in agents.values()} == {"human"}
+    assert {agent.people for agent in agents.values()} == {tuple(f"2019-{pair:02d}" for pair in range(0, 17, 2))}
+    final, clone = agents["human-0"].trained, agents["human-0-clone"].trained
+    assert final.steps - clone.steps == 5 * UPDATE
+    assert agents["human-0"].lineage == agents["human-0-clone"].lineage != agents["cloned-0"].lineage
+    assert set(final.settings["drawn"]) | set(final.settings["held_out"]) == {f"2019-{k:02d}" for k in range(0, 12, 2)}
+    assert missing(config, tmp_path / "pool") == []
 
 
 def test_agents_are_written_with_all_that_is_known(built):
