@@ -30,14 +30,19 @@ def _behind(reference: str, layout: str) -> Iterable[str]:
     if is_pool(reference):
         return people_of(read_manifest(find_pool(reference)), Layout.load(layout).name)
     file = Path(reference)
-    if file.suffix in (".safetensors", ".json"):
-        config = read_record(file.parent / CONFIG_FILE, dict[str, Any]) or {}
-        if isinstance(known := config.get("people"), list):
-            return map(str, known)
-        reference = str(file.with_suffix(""))
-    pool, *rest = reference.rsplit("/", 2)
-    if len(rest) < 2 or not is_pool(pool):
-        return ()
-    home, name = rest[0].replace("{layout}", Layout.load(layout).name), rest[1]
-    entries = read_manifest(find_pool(pool)).entries
-    return [one for entry in entries if (entry.layout, entry.name) == (home, name) for one in entry.people or ()]
+    is_file = file.suffix in (".safetensors", ".json")
+    pool, *rest = (file.with_suffix("").as_posix() if is_file else reference).rsplit("/", 2)
+    if len(rest) == 2 and is_pool(pool):
+        home, name = rest[0].replace("{layout}", Layout.load(layout).name), rest[1]
+        entries = read_manifest(find_pool(pool)).entries
+        return [one for entry in entries if (entry.layout, entry.name) == (home, name) for one in entry.people or ()]
+    return _of_run(file) if is_file else ()
+
+
+def _of_run(file: Path) -> Iterable[str]:
+    """Reads what the run of a policy says; clones and snapshots are in a folder inside the run's."""
+    for folder in (file.parent, file.parent.parent):
+        if (config := read_record(folder / CONFIG_FILE, dict[str, Any])) is not None:
+            known = config.get("people")
+            return map(str, known) if isinstance(known, list) else ()
+    return ()

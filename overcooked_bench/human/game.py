@@ -3,6 +3,7 @@
 Axes: T steps.
 """
 
+from functools import lru_cache
 from typing import Annotated, Any, Final, Literal
 
 import msgspec
@@ -121,7 +122,7 @@ class Game(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         Raises:
             LayoutError: The layout is neither shipped nor a legal grid.
         """
-        return Layout.named(self.layout)
+        return _named(self.layout)
 
     def joint_actions(self) -> NDArray[np.uint8]:
         """Returns the (T, 2) joint actions, codes 0 to 5 of `kitchen.codes`."""
@@ -155,6 +156,12 @@ def letters_of(actions: NDArray[np.integer[Any]]) -> tuple[str, str]:
         raise GamesError(f"joint actions of the shape {actions.shape}; give (T, 2) whole numbers from 0 to 5")
     first, second = ("".join(ACTION_LETTERS[action] for action in column) for column in actions.T.tolist())
     return first, second
+
+
+@lru_cache(maxsize=64)
+def _named(layout: str) -> Layout:
+    """Reads a layout, which takes long if it is large, once for many games."""
+    return Layout.named(layout)
 
 
 def _codes(letters: str) -> NDArray[np.uint8]:

@@ -173,7 +173,7 @@ def deliveries(games: Sequence[Game], on_progress: OnProgress = lambda done, of:
 class _OfFormat(msgspec.Struct):
     """The one key that all formats have."""
 
-    format: Any = None
+    format: Any = FORMAT
 
 
 def _parse(line: bytes, where: str) -> Game:
@@ -182,7 +182,10 @@ def _parse(line: bytes, where: str) -> Game:
     try:
         game = parse_json(line, where, Game, GamesError)
     except GamesError:
-        given = parse_json(line, where, _OfFormat, GamesError).format
+        try:
+            given = parse_json(line, where, _OfFormat, GamesError).format
+        except GamesError as error:
+            raise GamesError(f"{error}; a games file is UTF-8 with one JSON object, one game, per line") from None
         if given != FORMAT:
             raise GamesError(
                 f"{where}: a game of format {shown(given, 20)}; this version reads format {FORMAT}"
@@ -201,7 +204,7 @@ def _normal(game: Game) -> Game:
         GamesError: The layout or the start state cannot be played.
     """
     try:
-        kitchens = _scratch(game.layout, game.cooking)
+        kitchens = _scratch(game.kitchen, game.cooking)
         state = game.first_state()
         if state.timestep != 0:
             raise GamesError(f"the start state is that of step {state.timestep}; write the first state, of step 0")
@@ -216,9 +219,9 @@ def _normal(game: Game) -> Game:
 
 
 @lru_cache(maxsize=32)
-def _scratch(layout: str, cooking: str) -> Kitchens:
+def _scratch(layout: Layout, cooking: str) -> Kitchens:
     """A kitchen to try start states in."""
-    return Kitchens(Layout.named(layout), 1, cooking=cooking, horizon=MOST_STEPS)
+    return Kitchens(layout, 1, cooking=cooking, horizon=MOST_STEPS)
 
 
 def _deviation(game: Game, played: Soups) -> str:

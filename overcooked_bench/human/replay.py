@@ -106,7 +106,10 @@ def replay(games: Sequence[Game], *, observations: Iterable[str] = (), events: b
 
 
 def _play(games: list[Game], places: NDArray[np.int64], kitchens: Kitchens) -> Iterator[Moment]:
-    """Plays games that would reach their horizons at the same time: those of a shorter horizon start later."""
+    """Plays games that would reach their horizons at the same time: those of a shorter horizon start later.
+
+    Steps in which no game is running are left out, so the work is bounded by the steps that were recorded.
+    """
     n, horizon = len(games), kitchens.horizon
     begins = np.array([horizon - game.horizon for game in games])
     ends = begins + [game.steps for game in games]
@@ -114,11 +117,13 @@ def _play(games: list[Game], places: NDArray[np.int64], kitchens: Kitchens) -> I
     for row, game in enumerate(games):
         actions[begins[row] : ends[row], row] = game.joint_actions()
     kitchens.reset(seed=0)
-    for clock, joint in enumerate(actions):
+    running = np.zeros(len(actions), np.bool_)
+    for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
+        running[begin:end] = True
+    for clock in np.flatnonzero(running).tolist():
         for row in np.flatnonzero(begins == clock).tolist():
             kitchens.set_state(row, replace(games[row].first_state(), timestep=clock))
-        rows = np.flatnonzero((begins <= clock) & (clock < ends))
+        rows, joint = np.flatnonzero((begins <= clock) & (clock < ends)), actions[clock]
         moment = Moment(kitchens, rows, places[rows], clock - begins[rows], joint[rows], joint.astype(np.int64))
-        if len(rows):
-            yield moment
+        yield moment
         moment.play()

@@ -54,8 +54,19 @@ def test_show_prints_what_games_say_as_json(capsys):
 
 def test_a_sound_file_is_verified(capsys):
     assert main(["games", "verify", "some.games.jsonl"]) == 0
-    count = sum(len(game.soups) for game in read_games("some.games.jsonl"))
-    assert capsys.readouterr().out == f"some.games.jsonl: sound; 2 games replayed, 69 steps, {count} soups\n"
+    assert sum(len(game.soups) for game in read_games("some.games.jsonl")) == 1
+    assert capsys.readouterr().out == "some.games.jsonl: sound; 2 games replayed, 69 steps, 1 soup\n"
+
+
+def test_a_file_of_another_kind_is_not_recited(home, capsys):
+    (home / "no.games.jsonl").write_text("x\n" * 50)
+    assert main(["games", "verify", "no.games.jsonl"]) == 1
+    said = capsys.readouterr().out.splitlines()
+    assert len(said) == 22
+    assert said[-2:] == [
+        "... and 30 more, which --json lists",
+        "no.games.jsonl: not sound, 50 faults; 0 games replayed, 0 steps, 0 soups",
+    ]
 
 
 def test_a_file_that_deviates_is_named_with_line_and_step(capsys):
@@ -91,7 +102,7 @@ def test_a_score_is_exported_and_its_games_are_those_that_were_played(scored, ca
     assert main(["games", "export", "scored/episodes.sqlite", "--layouts", one, "--output", "new/one"]) == 0
     assert read_games("new/one/episodes.games.jsonl") == [game for game in games if game.layout == one]
     assert main(["games", "export", "scored", "--layouts", "bottleneck"]) == 2
-    assert "no episodes on bottleneck; there are cramped_room, forced" in capsys.readouterr().err
+    assert "nothing is played on bottleneck; there are cramped_room, forced" in capsys.readouterr().err
 
 
 def test_a_game_is_replayed_and_written_as_a_gif(capsys):
@@ -109,6 +120,10 @@ def test_a_game_is_replayed_and_written_as_a_gif(capsys):
     [
         (["games", "show", "none.games.jsonl"], "no such file"),
         (["games", "show", "wrong.games.jsonl"], "wrong.games.jsonl:1: step 2"),
+        (
+            ["games", "show", "some.games.jsonl", "--layouts", "bottleneck"],
+            "nothing is played on bottleneck; there are cram",
+        ),
         (["games", "verify", "."], "a folder"),
         (["games", "export", "nowhere"], "no such file"),
         (["replay", "some.games.jsonl", "--game", "2"], "no game 2; it has games 0 to 1"),

@@ -46,7 +46,9 @@ def test_stats_of_some_layouts_are_printed_as_json(home, capsys):
 
 def test_games_that_are_not_there_are_wrong_use(home, capsys):
     assert main(["games", "stats", FILE, "--layouts", "cramped_room"]) == 2
-    assert "no games on cramped_room; there are coordination_ring, forced_coordination" in capsys.readouterr().err
+    assert (
+        "nothing is played on cramped_room; there are coordination_ring, forced_coordination" in capsys.readouterr().err
+    )
     write_games(FILE, [])
     assert main(["games", "stats", FILE]) == 2
     assert "no games in it" in capsys.readouterr().err

@@ -107,6 +107,21 @@ def test_what_is_no_game_is_refused_with_its_line(change, message, tmp_path):
     assert len(faults) == 1
 
 
+def test_a_format_may_be_left_out_of_what_is_wrong_elsewhere(tmp_path):
+    (tmp_path / "x.games.jsonl").write_text(json.dumps({"layout": "cramped_room"}))
+    with pytest.raises(GamesError, match="missing required field `cooking`"):
+        read_games(tmp_path / "x.games.jsonl")
+
+
+@pytest.mark.parametrize(
+    "content", [json.dumps(GOOD, indent=2).encode(), json.dumps([GOOD]).encode(), json.dumps(GOOD).encode("utf-16")]
+)
+def test_a_file_of_another_form_is_told_what_form_it_should_have(content, tmp_path):
+    (tmp_path / "x.games.jsonl").write_bytes(content)
+    with pytest.raises(GamesError, match="one JSON object, one game, per line"):
+        read_games(tmp_path / "x.games.jsonl")
+
+
 @pytest.mark.parametrize("line", [b"{", b"\xff", b"5", b"[]", b"null", b"[" * 5000, b'"' + b"x" * (2 << 20) + b'"'])
 def test_a_line_that_is_no_record_is_refused(line, tmp_path):
     file = tmp_path / "x.games.jsonl"

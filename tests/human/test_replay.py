@@ -56,6 +56,16 @@ def test_a_game_that_ends_before_its_horizon_is_over_there():
     assert lengths == {index: game.steps for index, game in enumerate(GAMES)}
 
 
+def test_steps_in_which_no_game_runs_are_not_played(monkeypatch):
+    """Two short lines of a file could otherwise cost 10,000 steps."""
+    played = []
+    step = Kitchens.step
+    monkeypatch.setattr(Kitchens, "step", lambda self, actions: (played.append(1), step(self, actions))[1])
+    games = [random_game(steps=steps, horizon=horizon, seed=steps) for steps, horizon in ((3, 10_000), (4, 5))]
+    del played[:]
+    assert sum(len(moment.games) for moment in replay(games)) == len(played) == 7
+
+
 def test_a_stack_has_to_be_asked_for():
     with pytest.raises(WrongUse, match="needs the past"):
         next(replay(GAMES)).observe("stack_channels")

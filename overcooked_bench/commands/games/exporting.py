@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from overcooked_bench.commands.common import ProgressBar, add_command, add_layouts, add_output
+from overcooked_bench.commands.games.choosing import check_layouts, counted
 
 if TYPE_CHECKING:
     from overcooked_bench.human.game import Game
@@ -36,7 +37,7 @@ def _export(options: argparse.Namespace) -> int:
     file = Path(options.output or in_folder(options.score, EPISODES_FILE).parent) / _NAME
     file.parent.mkdir(parents=True, exist_ok=True)
     write_games(file, games)
-    print(f"{file}  {len(games):,} games, {sum(game.steps for game in games):,} steps")
+    print(f"{file}  {counted(len(games), 'game')}, {counted(sum(game.steps for game in games), 'step')}")
     return 0
 
 
@@ -58,7 +59,6 @@ def exported(
     """
     import json
 
-    from overcooked_bench.errors import WrongUse
     from overcooked_bench.evaluation.games.replayed import check_returns, read_settings
     from overcooked_bench.evaluation.games.store import Store
     from overcooked_bench.evaluation.scores import EPISODES_FILE, in_folder
@@ -69,10 +69,7 @@ def exported(
     with Store(file) as store:
         protocol = read_settings(store)
         rules = protocol.play
-        if strange := sorted(set(layouts or ()) - set(store.values("layout"))):
-            raise WrongUse(
-                f"{file}: no episodes on {', '.join(strange)}; there are {', '.join(store.values('layout')) or 'none'}"
-            )
+        check_layouts(file, layouts, store.values("layout"))
         check_returns(store, rules.cooking, rules.horizon)
         scored = Player("agent", store.facts.get("agent_name", "the scored agent"), store.facts.get("agent"))
         drafts = []

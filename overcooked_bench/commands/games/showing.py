@@ -4,6 +4,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from overcooked_bench.commands.common import add_command, add_json, add_layouts, console, print_json
+from overcooked_bench.commands.games.choosing import check_layouts, counted
 
 if TYPE_CHECKING:
     from overcooked_bench.human.game import Game
@@ -24,11 +25,9 @@ def _show(options: argparse.Namespace) -> int:
     from overcooked_bench.rendering.table import Column, Table
 
     wanted = options.layouts
-    games = [
-        (number, game)
-        for number, game in enumerate(read_games(options.file))
-        if wanted is None or game.layout in wanted
-    ]
+    everything = read_games(options.file)
+    check_layouts(options.file, wanted, (game.layout for game in everything))
+    games = [(number, game) for number, game in enumerate(everything) if wanted is None or game.layout in wanted]
     if options.json:
         print_json([_facts(number, game) for number, game in games])
         return 0
@@ -41,7 +40,7 @@ def _show(options: argparse.Namespace) -> int:
         *("game", Column("layout", left=True, wrap=False), Column("seats 0 and 1", left=True), "steps", "soups"),
         *(Column("people", left=True, wrap=False), Column("source", left=True)),
     ]
-    console().print(Table(heads, rows, [[f"{len(games)} games", "", "", f"{steps:,}", f"{soups:,}"]]).terminal())
+    console().print(Table(heads, rows, [[counted(len(games), "game"), "", "", f"{steps:,}", f"{soups:,}"]]).terminal())
     return 0
 
 

@@ -12,6 +12,7 @@ from overcooked_bench.commands.common import (
     console,
     print_json,
 )
+from overcooked_bench.commands.games.choosing import check_layouts
 
 
 def add_stats(commands: Any) -> None:
@@ -42,13 +43,11 @@ def _stats(options: argparse.Namespace) -> int:
     file = Path(options.file)
     with ProgressBar("replaying") as tell:
         games = read_games(file)
-        present = list(dict.fromkeys(game.layout for game in games))
-        if strange := sorted(set(options.layouts or ()) - set(present)):
-            raise WrongUse(f"{file}: no games on {', '.join(strange)}; there are {', '.join(present) or 'none at all'}")
+        check_layouts(file, options.layouts, (game.layout for game in games))
         if not games:
             raise WrongUse(f"{file}: no games in it; give a file with one game per line")
-        wanted = options.layouts or present
-        found = conducts([game for game in games if game.layout in wanted], on_progress=tell)
+        wanted = options.layouts
+        found = conducts([game for game in games if wanted is None or game.layout in wanted], on_progress=tell)
     folder = Path(options.output) if options.output else file.with_name(f"{file.name.removesuffix(SUFFIX)}-stats")
     folder.mkdir(parents=True, exist_ok=True)
     draw_conduct(found, folder / "visits.png")

@@ -1,9 +1,12 @@
 """`overcooked-bench games verify`: whether recorded games replay as their file says."""
 
 import argparse
-from typing import Any
+from typing import Any, Final
 
 from overcooked_bench.commands.common import ProgressBar, add_command, add_json, print_json
+from overcooked_bench.commands.games.choosing import counted
+
+_SHOWN: Final = 20  # faults; a file of another kind has one per line
 
 
 def add_verify(commands: Any) -> None:
@@ -28,8 +31,11 @@ def _verify(options: argparse.Namespace) -> int:
     if options.json:
         print_json({"sound": not faults, "games": len(games), "steps": steps, "soups": soups, "faults": faults})
     else:
-        for fault in faults:
+        for fault in faults[:_SHOWN]:
             print(fault)
-        verdict = f"not sound, {len(faults)} lines deviate" if faults else "sound"
-        print(f"{options.file}: {verdict}; {len(games):,} games replayed, {steps:,} steps, {soups:,} soups")
+        if len(faults) > _SHOWN:
+            print(f"... and {len(faults) - _SHOWN} more, which --json lists")
+        verdict = f"not sound, {counted(len(faults), 'fault')}" if faults else "sound"
+        what = ", ".join((f"{counted(len(games), 'game')} replayed", counted(steps, "step"), counted(soups, "soup")))
+        print(f"{options.file}: {verdict}; {what}")
     return 1 if faults else 0

@@ -44,7 +44,7 @@ def read_columns(table: Any, wanted: Mapping[str, type], where: str) -> dict[str
         for block, index in zip(values, items, strict=True):
             (names,) = _array(_made(index, _INDEX).arguments[1]["data"], 1)
             for name, column in zip(names, _array(block, 2), strict=True):
-                if name in wanted:
+                if type(name) is str and name in wanted:  # hashing a deep tuple would end the process
                     found[name] = column
     except (TypeError, ValueError, LookupError) as error:
         raise TableError(f"{where}: not a pandas table of the form that is read here ({shown(error)})") from None
@@ -77,7 +77,7 @@ def _array(shell: Any, dimensions: int) -> list[list[Any]]:
     count, length = (1, *shape)[-2:]
     if code == "O8" and type(content) is list and len(content) == count * length:
         return [content[i * length : (i + 1) * length] for i in range(count)]
-    if code not in _NUMBERS or type(content) is not bytes:
+    if type(code) is not str or code not in _NUMBERS or type(content) is not bytes:
         raise ValueError("an array of another type or size")
     rows: list[list[Any]] = np.frombuffer(content, _NUMBERS[code]).reshape(count, length).tolist()
     return rows

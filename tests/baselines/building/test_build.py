@@ -367,6 +367,7 @@ def test_who_trains_with_people_is_at_home_with_them(tmp_path):
     assert missing(config, tmp_path / "pool") == []
     one = ["stay", str(tmp_path / "people/cramped_room/clone-1"), str(tmp_path / "people/coordination_ring/clone-0")]
     assert people_behind(one, LAYOUT) == ("2019-02",)
-    for where in ("people/{layout}/clone-0", "pool/cramped_room/sp-0.json", "run/policy.safetensors"):
+    of_run = "run/policy.safetensors", "run/snapshots/0.5.safetensors", "run/clone/policy.json"
+    for where in ("people/{layout}/clone-0", "pool/cramped_room/sp-0.json", *of_run):
         assert people_behind([str(tmp_path / where)], LAYOUT) == ("2019-00", "2019-02")
     assert people_behind(["greedy", "dev-v0", "dev-v0/cramped_room/sp-0", "my_agent.py"], LAYOUT) == ()

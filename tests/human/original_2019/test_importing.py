@@ -1,6 +1,7 @@
 """Tables of recorded games become games that replay; what does not replay is named."""
 
 import json
+import pickle
 import re
 
 import pytest
@@ -168,6 +169,11 @@ def test_a_table_must_have_the_columns(played):
         imported_with({**few, "cur_gameloop": list(range(30)), "reward": [0.0] * 30})
     with pytest.raises(TableError, match="not a pandas table"):
         import_games({"train": dumped([1, 2])})
+    for text in ("a column", "O8"):  # a name, and the type of an array
+        short = pickle.SHORT_BINUNICODE + bytes([len(text)]) + text.encode()
+        hostile = table({"a column": ["x"]}).replace(short, b"N" + pickle.TUPLE1 * 300_000)
+        with pytest.raises(TableError, match=r"no column|not a pandas table"):
+            import_games({"train": hostile})
     with pytest.raises(PickleError, match="train_trials"):
         import_games({"train": b"cos\nsystem\n."})
     assert read_columns(read_pickle(table(few), "x"), {"is_leader": bool}, "x") == {"is_leader": [True] * 30}
