@@ -16,7 +16,7 @@ from typing import Any, Final, Literal
 from overcooked_bench.agents.policies.ensemble import SampledPartners
 from overcooked_bench.agents.policies.policy import Policy, load_policy
 from overcooked_bench.errors import WrongUse
-from overcooked_bench.files import read_regular
+from overcooked_bench.files import is_file, read_regular
 from overcooked_bench.human.game import GamesError
 from overcooked_bench.human.games import MOST_BYTES, read_games
 from overcooked_bench.human.people import chosen, chosen_pairs
@@ -127,6 +127,11 @@ def train(config: Config, place: Place) -> Outcome | None:
         UnfitError: The settings do not fit the layout, or there is no such device.
     """
     check_device(config)
+    if not is_file(config.games):
+        raise GamesError(
+            f"{config.games}: no such file; `overcooked-bench games import-2019` writes {GAMES}, or give another games "
+            "file by --games"
+        )
     digest = hashlib.sha256(read_regular(config.games, MOST_BYTES, raises=GamesError)).hexdigest()
     rows = people_of(config)
 

@@ -295,7 +295,7 @@ def test_a_biased_run_that_does_not_deliver_begins_anew_with_other_weights(tmp_p
         (["self-play", "--device", "cuda"], "give --device cpu"),
         (["pbt", "--device", "cuda", "--agents", "2", "--rounds", "2"], "give --device cpu"),
         (["human-proxy", "--device", "cuda", "--games", str(MADE)], "give --device cpu"),
-        (["human-proxy", "--games", "nowhere.games.jsonl"], "nowhere.games.jsonl"),
+        (["human-proxy", "--games", "nowhere.games.jsonl"], "`overcooked-bench games import-2019` writes"),
     ],
 )
 def test_mistakes_are_answered_without_a_traceback(arguments, told, tmp_path, capsys, monkeypatch):
