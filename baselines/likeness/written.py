@@ -5,7 +5,7 @@ from typing import Any, Final
 
 from overcooked_bench.human.people import SETS
 
-from ..cloning.sweep import MOST_NATS, MOST_RETURN
+from ..cloning import sweep
 from .likeness import MOST_IDLE, SOUPS, SOUPS_EACH_OTHER, Likeness
 from .proxies import SELF_PLAY_AGENTS, SELF_PLAY_POOL
 from .tables import conduct_table, cost_table, foretold_table, gates_table, tries_table, verdict
@@ -36,7 +36,7 @@ them. A set's proxies are held against the people of that set, except for `nats`
 - idle: within {MOST_IDLE:.0f} points of people's
 - soups, in percent of people's: {SOUPS[0]:.0f} to {SOUPS[1]:.0f} with itself, {SOUPS_EACH_OTHER[0]:.0f} to \
 {SOUPS_EACH_OTHER[1]:.0f} with the other proxies of the set (all ordered pairs)
-- cost: at most {MOST_NATS} nats per step more than the clone, on the run's held-out pairs"""
+- cost: at most {sweep.MOST_NATS} nats per step more than the clone, on the run's held-out pairs"""
 
 _FORETOLD: Final = f"""## How well they foretell people
 
@@ -58,11 +58,13 @@ _COST: Final = """## What the second stage costs
 Nats per step that a regularised proxy needs more than the clone that it was, with 95 % intervals over pairs of people,
 and soups of the clones and of the regularised ones."""
 
+_RULE: Final = (sweep.__doc__ or "").split("\n\n")[1].strip()
+
 _TRIES: Final = f"""### How the coefficient was chosen
 
-The rule: the most soups with itself at a cost of at most {MOST_NATS} nats per step on the run's held-out pairs, and at
-most {100 * MOST_RETURN:.0f} % of people's soups; tried from the largest coefficient down, until one breaks the rule.
-Each try is one run with the input `lossless`; the runs in the pools have other seeds."""
+{_RULE}
+Coefficients are tried from the largest down, until one breaks the rule. Each try is one run with the input `lossless`;
+the runs in the pools have other seeds."""
 
 
 def written(found: Sequence[Likeness], tries: Sequence[dict[str, Any]]) -> str:
