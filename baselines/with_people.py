@@ -137,15 +137,7 @@ def _play(task: _Task) -> tuple[_Task, NDArray[np.float64]]:
             Seated(agent, "the entrant", np.arange(len(who)), seats),
             *seat_partners(partners, who, 1 - seats, pool, rules.mode, task.layout),
         ]
-        kitchens = make_kitchens(
-            task.layout,
-            len(who),
-            parties,
-            cooking=rules.cooking,
-            horizon=rules.horizon,
-            start=rules.start,
-            object_probability=rules.object_probability,
-        )
+        kitchens = make_kitchens(task.layout, len(who), parties, **rules.kitchens)
         kitchens.reset(seed=starts)
         games = play(kitchens, parties, seeds)
     return task, games.soup_reward.sum(axis=1).reshape(shape)

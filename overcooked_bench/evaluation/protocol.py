@@ -88,6 +88,16 @@ class Play(_Part, frozen=True, kw_only=True):
             ("salt", self.salt, is_text(self.salt), "a text"),
         )
 
+    @property
+    def kitchens(self) -> dict[str, Any]:
+        """The rules that kitchens follow, as keywords of `make_kitchens`."""
+        return {
+            "cooking": self.cooking,
+            "horizon": self.horizon,
+            "start": self.start,
+            "object_probability": self.object_probability,
+        }
+
 
 class Report(_Part, frozen=True, kw_only=True):
     """How the games are scored; it changes none of them.

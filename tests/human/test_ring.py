@@ -46,6 +46,14 @@ def test_the_middle_is_on_the_block_that_it_is_the_middle_of():
     assert layout.tile((int(x), int(y))) == "X"
 
 
+def test_ways_that_are_more_than_a_stretch_apart_do_not_cancel_out():
+    """A lap clockwise and, later, one back: both count if 100 steps lie between their beginnings."""
+    turn = np.linspace(0, 2 * np.pi, 101)
+    for angle, expected in ((np.append(turn, turn[-2::-1]), [1, 1]), (np.append(turn[::2], turn[-3::-2]), [0, 0])):
+        both = np.stack([angle, angle], axis=1)
+        assert laps(np.cos(both), np.sin(both), (0, 0)) == pytest.approx(np.array([expected, expected]))
+
+
 def test_a_lap_around_any_block_is_one_lap():
     layout = Layout.load(BENT)
     way = [(x, 1) for x in range(1, 7)] + [(6, y) for y in range(2, 6)] + [(x, 5) for x in range(5, 0, -1)]

@@ -144,15 +144,7 @@ def _play(
             Seated(Turned(player) if block.turned else player, EGO, np.arange(len(who)), seats),
             *seat_partners(partners, who, 1 - seats, pool, rules.mode, layout),
         ]
-        kitchens = make_kitchens(
-            layout,
-            len(who),
-            parties,
-            cooking=rules.cooking,
-            horizon=rules.horizon,
-            start=rules.start,
-            object_probability=rules.object_probability,
-        )
+        kitchens = make_kitchens(layout, len(who), parties, **rules.kitchens)
         streams = block.streams
         starts = np.array([streams.start(partner.sha256) for partner in partners], np.uint64)
         kitchens.reset(seed=starts[who])
