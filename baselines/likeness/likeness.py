@@ -6,6 +6,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from overcooked_bench.estimate import Estimate
 from overcooked_bench.human.game import Game
 from overcooked_bench.human.people import SETS
 
@@ -42,10 +43,6 @@ class Likeness(NamedTuple):
     proxies: Sequence[Proxy]
     foretelling: Foretelling
     crowds: Mapping[str, Crowd]
-
-    def share(self, who: str) -> float:
-        """Returns soups as a share of those of the people; not a number if they delivered none."""
-        return _share(self.crowds[who].all.soups.value, self.crowds[PEOPLE].all.soups.value)
 
     @property
     def coefficients(self) -> tuple[float, ...]:
@@ -123,16 +120,16 @@ def gates(one: Likeness) -> list[Gate]:
     """
     told = one.foretelling
     guess = nats(told.others[FREQUENCIES]).value
-    idle, soups = one.crowds[PEOPLE].all.idle.value, one.crowds[PEOPLE].all.soups.value
+    those = one.crowds[PEOPLE].all
 
     def of(who: str, number: Callable[[Crowd], list[float]]) -> tuple[float, ...]:
         return tuple(number(one.crowds[who])) if who in one.crowds else ()
 
     def stays(crowd: Crowd) -> list[float]:
-        return [100 * (each.idle.value - idle) for each in crowd.each]
+        return [100 * (each.idle.value - those.idle.value) for each in crowd.each]
 
     def shares(crowd: Crowd) -> list[float]:
-        return [100 * _share(each.soups.value, soups) for each in crowd.each]
+        return [100 * share(each.soups, those.soups) for each in crowd.each]
 
     asked = [
         *(
@@ -156,5 +153,6 @@ def gates(one: Likeness) -> list[Gate]:
     return [gate for gate in asked if gate.values]
 
 
-def _share(soups: float, of: float) -> float:
-    return soups / of if of else float("nan")
+def share(soups: Estimate, of: Estimate) -> float:
+    """Returns soups as a share of others; not a number if those are none."""
+    return soups.value / of.value if of.value else float("nan")

@@ -16,6 +16,7 @@ from overcooked_bench.rendering.sprites import CHEF_COLOURS
 from .crowds import Crowd
 from .foretold import CLONES, REGULARISED, SELF_PLAY
 from .likeness import EACH_OTHER, PEOPLE, SOUPS, Likeness
+from .proxies import staged
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,6 +27,7 @@ _HEAT: Final = (0.75, 0.1, 0.35)
 _COLOURS: Final = {
     pairs: tuple(part / 255 for part in colour) for pairs, colour in zip("AB", CHEF_COLOURS, strict=True)
 }
+_TRIANGLE: Final = "features"
 _SHOWN: Final = {
     PEOPLE: "people",
     CLONES: "clones",
@@ -52,7 +54,7 @@ def draw_soups(found: Sequence[Likeness]) -> bytes:
         panels[0].set_ylabel(f"soups per {PER} steps", color=_INK)
         said = ", ".join(f"set {pairs}: {word}" for pairs, word in (("A", "blue, left"), ("B", "orange, right")))
         figure.suptitle(
-            f"{said}. Bands: {SOUPS[0]:.0f} to {SOUPS[1]:.0f} % of the mean of these people.",
+            f"{said}; triangles: input {_TRIANGLE}. Bands: people, {SOUPS[0]:.0f} to {SOUPS[1]:.0f} % of their mean.",
             fontsize=8, x=0.01, ha="left", color=_INK,
         )  # fmt: skip
         return _png(figure)
@@ -86,7 +88,11 @@ def _dots(axes: "Axes", one: Likeness) -> None:
         if who in one.crowds:
             soups = [each.soups.value for each in one.crowds[who].each]
             spread = np.linspace(-0.1, 0.1, len(soups)) if len(soups) > 1 else np.zeros(1)
-            axes.plot(x + side + spread, soups, "o", color=colour, markersize=3.2, alpha=0.8, markeredgewidth=0)
+            stage = {CLONES: "clone", REGULARISED: "regularised"}.get(who)
+            inputs = [proxy.policy.architecture.observation for proxy in staged(one.proxies, stage)] if stage else []
+            for k, (offset, served) in enumerate(zip(spread, soups, strict=True)):
+                mark = "^" if k < len(inputs) and inputs[k] == _TRIANGLE else "o"
+                axes.plot(x + side + offset, served, mark, color=colour, markersize=3.6, alpha=0.8, markeredgewidth=0)
             axes.plot([x + side - 0.14, x + side + 0.14], [np.mean(soups)] * 2, color=colour, linewidth=1.4)
 
 

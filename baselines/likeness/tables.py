@@ -5,14 +5,15 @@ from typing import Any, Final
 
 import numpy as np
 
-from overcooked_bench.estimate import Estimate
 from overcooked_bench.human.distances import hand_over_distance, visit_distance
 from overcooked_bench.human.shown import percent
 from overcooked_bench.rendering.table import Column, Table
 
 from ..cloning.sweep import choose, cost, obeys
+from .crowds import Crowd
 from .foretold import CLONES, REGULARISED, Pairwise, accuracy, nats, over_pairs
-from .likeness import PEOPLE, Likeness, gates
+from .likeness import OTHERS, PEOPLE, Likeness, gates, share
+from .proxies import both_stages, staged
 
 _HANDED: Final = 1.0
 """Hand-overs of people per 400 steps from which it is compared where they happen."""
@@ -41,8 +42,13 @@ def conduct_table(found: Sequence[Likeness], pairs: str) -> Table:
             handed = people.hand_overs.value >= _HANDED and who != PEOPLE
             rows.append(
                 [
-                    *("" if row else one.layout, who, does.soups.text(1), f"{100 * one.share(who):.0f}"),
-                    *(percent(does.idle), f"{100 * does.stuck.value:.0f}", f"{does.hand_overs.value:.1f}"),
+                    *(
+                        "" if row else one.layout,
+                        who,
+                        _soups(who, crowd),
+                        f"{100 * share(does.soups, people.soups):.0f}",
+                    ),
+                    *(_idle(who, crowd), f"{100 * does.stuck.value:.0f}", f"{does.hand_overs.value:.1f}"),
                     f"{hand_over_distance(people, does):.2f}" if handed else "",
                     f"{visit_distance(people, does):.2f}" if who != PEOPLE else "",
                     "" if does.clockwise is None else f"{100 * does.clockwise.value:.0f}",
@@ -61,20 +67,31 @@ def conduct_table(found: Sequence[Likeness], pairs: str) -> Table:
     return Table(["layout", Column("who", left=True), *heads], rows)
 
 
-def cost_table(found: Sequence[Likeness]) -> Table:
-    """What the second stage costs in likelihood and brings in soups."""
+def stages_table(found: Sequence[Likeness]) -> Table:
+    """What the second stage costs each proxy in likelihood, and what it changes in the kitchen."""
     rows = []
     for one in found:
-        told = one.foretelling
-        if not told.costs:
-            continue
-        gained = [f"{100 * one.share(who):.0f}" if who in one.crowds else "" for who in (CLONES, REGULARISED)]
-        coefficients = ", ".join(f"{value:g}" for value in one.coefficients)
-        rows.append(
-            [one.layout, one.pairs, coefficients, _cost(told.own_costs), _cost(told.costs), " to ".join(gained)]
-        )
-    heads = "coefficient", "nats, held out", "nats, other set", "soups of people's, %"
-    return Table(["layout", Column("set", left=True), *heads], rows)
+        people, told = one.crowds[PEOPLE].all, one.foretelling
+        does = {
+            proxy.name: each
+            for who, stage in ((CLONES, "clone"), (REGULARISED, "regularised"))
+            for proxy, each in zip(
+                staged(one.proxies, stage), one.crowds[who].each if who in one.crowds else (), strict=True
+            )
+        }
+        runs = zip(both_stages(one.proxies), told.own_costs, told.costs, strict=True)
+        for row, ((clone, proxy), own, others) in enumerate(runs):
+            idle = [f"{100 * (does[name].idle.value - people.idle.value):+.0f}" for name in (clone.name, proxy.name)]
+            soups = [f"{100 * share(does[name].soups, people.soups):.0f}" for name in (clone.name, proxy.name)]
+            rows.append(
+                [
+                    *(("", "") if row else (one.layout, one.pairs)),
+                    *(proxy.name, f"{proxy.coefficient:g}", f"{np.mean([*own.values()]):+.3f}"),
+                    *(over_pairs([others]).text(3), " to ".join(soups), " to ".join(idle)),
+                ]
+            )
+    heads = "coefficient", "nats, held out", "nats, other set", "soups of people's, %", "idle, points"
+    return Table(["layout", *(Column(name, left=True) for name in ("set", "proxy")), *heads], rows)
 
 
 def tries_table(tries: Sequence[dict[str, Any]], found: Sequence[Likeness]) -> Table:
@@ -134,9 +151,19 @@ def _told(guessers: Sequence[Pairwise]) -> tuple[str, str]:
     return found.text(2), f"{100 * accuracy(guessers):.0f}"
 
 
-def _cost(costs: Sequence[Any]) -> str:
-    found: Estimate = over_pairs(costs)
-    return found.text(3)
+def _soups(who: str, crowd: Crowd) -> str:
+    """Writes soups: with the interval over pairs of people, or from the lowest to the highest agent or pairing."""
+    if who in (PEOPLE, OTHERS):
+        return crowd.all.soups.text(1)
+    each = [one.soups.value for one in crowd.each]
+    return f"{crowd.all.soups.value:.1f} ({min(each):.1f} to {max(each):.1f})"
+
+
+def _idle(who: str, crowd: Crowd) -> str:
+    if who in (PEOPLE, OTHERS):
+        return percent(crowd.all.idle)
+    each = [one.idle.value for one in crowd.each]
+    return f"{100 * crowd.all.idle.value:.0f} ({100 * min(each):.0f} to {100 * max(each):.0f})"
 
 
 def _of(found: Sequence[Likeness], pairs: str) -> list[Likeness]:

@@ -8,7 +8,7 @@ from overcooked_bench.human.people import SETS
 from ..cloning import sweep
 from .likeness import MOST_IDLE, SOUPS, SOUPS_EACH_OTHER, Likeness
 from .proxies import SELF_PLAY_AGENTS, SELF_PLAY_POOL
-from .tables import conduct_table, cost_table, foretold_table, gates_table, tries_table, verdict
+from .tables import conduct_table, foretold_table, gates_table, stages_table, tries_table, verdict
 
 SOUPS_PICTURE: Final = "human-soups.png"
 VISITS_PICTURE: Final = "human-visits.png"
@@ -49,14 +49,14 @@ Self-play agents: {SELF_PLAY_AGENTS} of `{SELF_PLAY_POOL}`."""
 _CONDUCT: Final = """## What they do
 
 Soups and hand-overs are per 400 steps. Agents play games of 1,200 steps from the standard start, with themselves
-except where the row says otherwise. In brackets: 95 %, over pairs of people or over agents. The two distances, from 0
-to 1, are total variation from the people of the set: of hand-overs by counter and object, and of the time on each cell.
-The people of the other set are the yardstick."""
+except where the row says otherwise. In brackets: 95 % over pairs of people, or the lowest and the highest agent or
+pairing. The two distances, from 0 to 1, are total variation from the people of the set: of hand-overs by counter and
+object, and of the time on each cell. The people of the other set are the yardstick."""
 
 _COST: Final = """## What the second stage costs
 
-Nats per step that a regularised proxy needs more than the clone that it was, with 95 % intervals over pairs of people,
-and soups of the clones and of the regularised ones."""
+Nats per step that each regularised proxy needs more than the clone that it was, on its held-out pairs and on the other
+set (95 % intervals over pairs of people); soups and the distance of its idle share from people's, before and after."""
 
 _RULE: Final = (sweep.__doc__ or "").split("\n\n")[1].strip()
 
@@ -81,7 +81,7 @@ def written(found: Sequence[Likeness], tries: Sequence[dict[str, Any]]) -> str:
     parts.append(_CONDUCT)
     for pairs in sets:
         parts += [f"Set {pairs}:", conduct_table(found, pairs).markdown()]
-    parts += [_COST, cost_table(found).markdown()]
+    parts += [_COST, stages_table(found).markdown()]
     if tries:
         parts += [_TRIES, tries_table(tries, found).markdown()]
     return "\n\n".join(parts) + "\n"
