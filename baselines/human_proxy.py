@@ -1,8 +1,10 @@
 """Human proxies: clones of people in recorded games, and clones that were then trained to earn more without changing.
 
 A clone alone is a weak partner where a hand-over can fail in many ways: one odd step leads to states that no person
-was ever in. So the clone goes on to learn by PPO, with other clones of the same people as partners, and pays for its
-divergence from the clone. Both are kept: the clone, and the regularised one.
+was ever in. So the clone goes on to learn by PPO and pays for its divergence from the clone. Both are kept: the clone,
+and the regularised one. By default it learns on both seats: another clone gets lost as well, and with it nobody earns
+enough to learn from. Where two regularised ones then do not understand each other's hand-overs (forced_coordination),
+it goes on with others of the same people that learned in the same way (`partners="others"`).
 
 Source: Carroll et al. 2019 (clones of the same games); Jaques et al. 2017, "Sequence Tutor", and Jacob et al. 2022,
 "Modeling strong and human-like gameplay with KL-regularized search" (a divergence from cloned play as the price of
@@ -32,13 +34,17 @@ from .learning.inputs import spreader
 from .learning.learner import Learner
 from .learning.pressure import Pressure
 from .learning.settings import SettingsError, check_draws
+from .running.checkpoint import load_weights
 from .running.partners import returns_with
+from .running.parts import loaded
 from .running.place import CONFIG_FILE, Place
-from .running.run import Outcome, Snapshot, check_device, claim, make_env, run
+from .running.run import CHECKPOINT, Outcome, Snapshot, check_device, claim, make_env, run
 
 METHOD: Final = "human-proxy"
 GAMES: Final = "runs/human/2019.games.jsonl"
 """Where `overcooked-bench games import-2019` writes."""
+ALONE: Final = "alone"
+"""A run's folder of what it is after learning with itself, with partners others."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,11 +63,16 @@ class Config(CloneSettings):
     """Weight of the divergence of the clone from the learner on the steps of the cloned people, in PPO's loss."""
     lesson_batch: int = 512
     """Steps of people in each minibatch of PPO."""
-    partners: Literal["itself", "clones"] = "itself"
+    partners: Literal["itself", "clones", "others"] = "itself"
     """itself: it plays both seats and learns on both; clones: it plays one seat, and clones of other bootstraps of the
-    same pairs the other."""
+    same pairs the other; others: first it learns with itself, and so do those clones; then it goes on with what they
+    and itself have become as its partners."""
     agents: int = 3
     """Number of those other clones."""
+    alone_steps: int = 500_000
+    """Joint steps that each learns with itself first, with partners others."""
+    alone_coefficient: float = 0.2
+    """Weight of the divergence from the clone meanwhile."""
     per_episode: int = 3
     """How many of them play at a time."""
     steps: int = 1_000_000
@@ -86,7 +97,7 @@ class Config(CloneSettings):
             SettingsError: Names the setting and what it may be.
         """
         CloneSettings.__post_init__(self)
-        for name in ("coefficient", "lesson_coefficient"):
+        for name in ("coefficient", "lesson_coefficient", "alone_coefficient"):
             if getattr(self, name) < 0:
                 raise SettingsError(f"{name}={getattr(self, name)}; give a number from 0")
         if self.lesson_batch < 1:
@@ -102,6 +113,17 @@ class Config(CloneSettings):
                 f"snapshots={self.snapshots}; leave them out, the clone alone is kept beside the last policy"
             )
         chosen_pairs(self.pairs)
+
+    @property
+    def alone(self) -> "Config":
+        """The settings with which it learns with itself first."""
+        return replace(
+            self,
+            partners="itself",
+            steps=self.alone_steps,
+            coefficient=self.alone_coefficient,
+            rollout=max(1, self.rollout // 2),  # both chefs' steps make the same batch
+        )
 
     @property
     def learning_seats(self) -> int:
@@ -127,19 +149,16 @@ def train(config: Config, place: Place) -> Outcome | None:
         UnfitError: The settings do not fit the layout, or there is no such device.
     """
     check_device(config)
-    if not is_file(config.games):
-        raise GamesError(
-            f"{config.games}: no such file; `overcooked-bench games import-2019` writes {GAMES}, or give another games "
-            "file by --games"
-        )
-    digest = hashlib.sha256(read_regular(config.games, MOST_BYTES, raises=GamesError)).hexdigest()
-    rows = people_of(config)
+    digest, rows = _digest(config), people_of(config)
 
-    def cloned(part: str) -> Clone:
+    def cloned(part: str, place: Place = place) -> Clone:
         own = place.part(part, part)
         return clone(config, own, bootstrap(rows.people, own.seed), rows)
 
-    first = cloned("clone")
+    before = _alone(config, place)
+    if before is None:
+        return None
+    first = cloned("clone", place.part(ALONE, ALONE) if before else place)
     known: dict[str, Any] = {
         "games_sha256": digest,
         "drawn": list(first.sample.drawn),
@@ -151,39 +170,72 @@ def train(config: Config, place: Place) -> Outcome | None:
     if config.stage == "clone":
         claim(place, config, METHOD, known)
         return Outcome(first.files, first.returns, first.steps, first.seconds, {0.0: clone_itself})
-    others: list[Policy] = []
+    partners = loaded([one.files for one in before])
     if config.partners == "clones":
-        others = [load_policy(cloned(f"partner-{k}").files.weights) for k in range(config.agents)]
+        partners = loaded([cloned(f"partner-{k}").files for k in range(config.agents)])
 
     def make(seed: int) -> Learner:
-        if others:
-            env = make_env(config, partners=[SampledPartners(others, config.per_episode)])
-        else:
-            env = make_env(config, self_play=True)
-        spread = spreader(Layout.load(config.layout), config.observation, env.observation_space.shape or ())
-        # a bonus of less than 0: the price of the divergence
-        anchor = Pressure(
-            [load_policy(first.files.weights)], spread, loss_coefficient=-config.coefficient, loss_clip=0.0
-        )
-        model = make_learner(config, env, seed, anchor if config.coefficient else None)
-        first.restore(model)
-        if config.lesson_coefficient:
-            drawn = rows.of(first.sample.drawn)
-            model.lesson = Lesson(model.policy, drawn, config.lesson_coefficient, config.lesson_batch)
+        theirs = rows.of(first.sample.drawn)
+        model = _held_to(config, first, theirs, partners, len(before) or config.per_episode, seed)
+        if before:
+            load_weights(place.folder / ALONE / CHECKPOINT, model)
         return model
 
     outcome = run(config, METHOD, place, make, known=known)
     if outcome is None:
         return None
-    outcome = replace(
+    return replace(
         outcome,
-        steps=first.steps + outcome.steps,
-        seconds=first.seconds + outcome.seconds,
+        steps=(before[0].steps if before else first.steps) + outcome.steps,
+        seconds=outcome.seconds + (0 if before else first.seconds),
         snapshots={0.0: clone_itself},
+        parts=tuple(before),
+        with_partners=returns_with(outcome.files, partners, config, max(1, 100 // len(partners))) if partners else None,
     )
-    if not others:
-        return outcome
-    return replace(outcome, with_partners=returns_with(outcome.files, others, config, max(1, 100 // len(others))))
+
+
+def _digest(config: Config) -> str:
+    """Returns the SHA-256 of the games file."""
+    if not is_file(config.games):
+        raise GamesError(
+            f"{config.games}: no such file; `overcooked-bench games import-2019` writes {GAMES}, or give another games "
+            "file by --games"
+        )
+    return hashlib.sha256(read_regular(config.games, MOST_BYTES, raises=GamesError)).hexdigest()
+
+
+def _alone(config: Config, place: Place) -> list[Outcome] | None:
+    """Trains what is to learn with itself first: itself, then the others; none unless the partners are others.
+
+    Returns:
+        Their outcomes, or None if one was interrupted and saved.
+    """
+    parts = [ALONE, *(f"other-{k}" for k in range(config.agents))]
+    outcomes = []
+    for part in parts if (config.stage, config.partners) == ("regularised", "others") else []:
+        outcome = train(config.alone, place.part(part, part))
+        if outcome is None:
+            return None
+        outcomes.append(outcome)
+    return outcomes
+
+
+def _held_to(
+    config: Config, first: Clone, theirs: Examples, partners: list[Policy], per_episode: int, seed: int
+) -> Learner:
+    """Makes a learner with the clone's weights, which pays for its divergence from it."""
+    if partners:
+        env = make_env(config, partners=[SampledPartners(partners, per_episode)])
+    else:
+        env = make_env(config, self_play=True)
+    spread = spreader(Layout.load(config.layout), config.observation, env.observation_space.shape or ())
+    # a bonus of less than 0: the price of the divergence
+    anchor = Pressure([load_policy(first.files.weights)], spread, loss_coefficient=-config.coefficient, loss_clip=0.0)
+    model = make_learner(config, env, seed, anchor if config.coefficient else None)
+    first.restore(model)
+    if config.lesson_coefficient:
+        model.lesson = Lesson(model.policy, theirs, config.lesson_coefficient, config.lesson_batch)
+    return model
 
 
 def people_of(config: Config) -> Examples:

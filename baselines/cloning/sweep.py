@@ -1,7 +1,8 @@
 """The coefficient of human proxies, chosen on held-out pairs: `python -m overcooked_bench.baselines.cloning.sweep A`.
 
-The rule: the largest return with itself that costs at most 0.03 nats per step on the run's held-out pairs, and that is
-at most 120 % of what these people earn. The other set of pairs has no part in it.
+The rule: the largest return with itself that costs at most 0.03 nats per step on the run's held-out pairs, that is at
+most 120 % of what the people of the set earn, with a share of stay within 10 points of theirs. The other set of pairs
+has no part in it.
 """
 
 import argparse
@@ -22,11 +23,13 @@ from .likelihood import foretell
 from .played import played
 
 NAMESPACE: Final = "human-sweep"
-COEFFICIENTS: Final = (1.0, 0.5, 0.2, 0.1, 0.05)
+COEFFICIENTS: Final = (1.0, 0.5, 0.3, 0.2, 0.1, 0.05)
 """In this order, until one breaks the rule."""
 MOST_NATS: Final = 0.03
 MOST_RETURN: Final = 1.2
 """Of what people earn."""
+MOST_IDLE: Final = 0.1
+"""Distance of the shares of stay."""
 FOUND: Final = "found.json"
 
 
@@ -67,7 +70,12 @@ def cost(found: dict[str, Any]) -> float:
 
 def obeys(found: dict[str, Any]) -> bool:
     """Returns whether a proxy is within the bounds of the rule."""
-    return cost(found) <= MOST_NATS and found["regularised"]["soups"] <= MOST_RETURN * found["people"]["soups"]
+    proxy, people = found["regularised"], found["people"]
+    return (
+        cost(found) <= MOST_NATS
+        and bool(proxy["soups"] <= MOST_RETURN * people["soups"])
+        and bool(abs(proxy["idle"] - people["idle"]) <= MOST_IDLE)
+    )
 
 
 def choose(results: list[dict[str, Any]]) -> dict[str, Any]:

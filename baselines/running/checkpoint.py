@@ -115,6 +115,19 @@ def load_checkpoint(
         ) from None
 
 
+def load_weights(path: Path, model: AnyLearner) -> None:
+    """Loads a run's weights alone, actor and critic, into a new learner of the same network.
+
+    Raises:
+        CheckpointError: No such file, not readable, or another network's.
+    """
+    try:
+        model.policy.load_state_dict(torch.load(path, map_location="cpu", weights_only=True)["policy"])
+    except Exception as error:  # a broken file shows itself in many ways
+        fault = str(error).partition("\n")[0]
+        raise CheckpointError(f"{path}: no weights of this network ({fault}); choose another --output") from None
+
+
 def _env_of(model: AnyLearner) -> OvercookedVecEnv:
     env = model.get_env()
     assert isinstance(env, OvercookedVecEnv)

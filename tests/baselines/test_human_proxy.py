@@ -71,6 +71,21 @@ def test_the_clone_alone_and_with_other_clones(games, tmp_path):
     assert samples[0] != samples[1]
 
 
+def test_with_others_that_learned_alone_first(games, tmp_path):
+    settings = config(games, partners="others", agents=2, alone_steps=400)
+    outcome = human_proxy.train(settings, Place(tmp_path, 1))
+    clone, (alone, *others) = outcome.snapshots[0.0].files, outcome.parts
+    assert clone.weights.parent == tmp_path / "alone" / "clone"
+    assert len({files.weights.read_bytes() for files in (clone, alone.files, outcome.files)}) == 3
+    assert [part.files.weights.parent.name for part in others] == ["other-0", "other-1"]
+    assert outcome.total_steps == outcome.steps + sum(part.steps for part in outcome.parts)
+    record = json.loads((tmp_path / "config.json").read_text())
+    held_out = human_proxy.people_of(settings).of(record["held_out"])
+    assert foretell(load_policy(clone.weights), held_out).nats == pytest.approx(record["clone_nats"], abs=2e-3)
+    again = human_proxy.train(settings, Place(tmp_path, 1, resume=True))
+    assert again.with_partners.tolist() == outcome.with_partners.tolist()
+
+
 def test_a_finished_run_is_read_back_and_other_games_are_refused(games, tmp_path):
     settings = config(games)
     first = human_proxy.train(settings, Place(tmp_path / "run", 3))
