@@ -10,8 +10,8 @@ from overcooked_bench.estimate import Estimate
 from overcooked_bench.human.game import Game
 from overcooked_bench.human.people import SETS
 
+from ..cloning import sweep
 from ..cloning.examples import Examples, examples
-from ..cloning.sweep import MOST_NATS
 from .crowds import Crowd, Length, people, with_each_other, with_themselves
 from .foretold import CLONES, FREQUENCIES, REGULARISED, SELF_PLAY, Foretelling, foretelling, nats
 from .proxies import Proxy, self_play_agents, staged
@@ -19,7 +19,7 @@ from .proxies import Proxy, self_play_agents, staged
 PEOPLE: Final = "people"
 OTHERS: Final = "people of the other set"
 EACH_OTHER: Final = "regularised, each other"
-MOST_IDLE: Final = 10.0
+MOST_IDLE: Final = 100 * sweep.MOST_IDLE
 """Points of the idle share that a proxy may be away from people's."""
 SOUPS: Final = (80.0, 120.0)
 """Percent of people's soups that a regularised proxy reaches with itself."""
@@ -146,7 +146,7 @@ def gates(one: Likeness) -> list[Gate]:
             f"{REGULARISED}: cost",
             tuple(float(np.mean([*each.values()])) for each in told.own_costs),
             -np.inf,
-            MOST_NATS,
+            sweep.MOST_NATS,
             "{:+.3f}",
         ),
     ]

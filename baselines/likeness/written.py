@@ -63,8 +63,8 @@ _RULE: Final = (sweep.__doc__ or "").split("\n\n")[1].strip()
 _TRIES: Final = f"""### How the coefficient was chosen
 
 {_RULE}
-Coefficients are tried from the largest down, until one breaks the rule. Each try is one run with the input `lossless`;
-the runs in the pools have other seeds."""
+Coefficients are tried from the largest down, until one breaks the rule. Each try is one run with the input `lossless`
+that learns with itself; the runs in the pools have other seeds, and may have other partners."""
 
 
 def written(found: Sequence[Likeness], tries: Sequence[dict[str, Any]]) -> str:
