@@ -67,6 +67,8 @@ def test_a_manifest_needs_no_torch(pool_folder):
         ("dev-v0", 1, "ecd9149914f58d408febc4a21f7e71259461f87a9f0ba234f89595b1e30ff94c"),
         ("dev-v1", 2, "33b0495a6d"),
         ("train-v1", 2, "70da1c512c"),
+        ("human-train", 3, "25abbd042f"),
+        ("human-test", 3, "21d6175bc1"),
     ],
 )
 def test_the_shipped_pools_keep_their_hashes(name, form, sha256):
