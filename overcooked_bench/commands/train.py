@@ -85,7 +85,8 @@ def _train(options: argparse.Namespace) -> int:
     for protocol, pool in scoring_pools(settings.partner_references, settings.people):
         print(
             f"warning: protocol {protocol} scores with the pool {pool}; an agent that is trained or chosen with it, or "
-            "made from the same people, has met its partners. train-v1 is made to train with, dev-v1 to choose by",
+            "made from the same people, has met its partners. train-v1 and human-train are made to train with, dev-v1 "
+            "to choose by",
             file=sys.stderr,
         )
     folder = Path(output) if output else default_folder(options.method, name, settings)

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import pytest
 
 from overcooked_bench.agents.policies.policy import load_policy
+from overcooked_bench.agents.pools.manifest import people_of, read_manifest
 from overcooked_bench.agents.pools.pool import find_pool
 from overcooked_bench.baselines import biased_self_play, pbt, population, pretrained_partners, training
 from overcooked_bench.baselines.methods import METHODS, find_method
@@ -192,7 +193,12 @@ def test_a_best_response_does_not_go_on_against_partners_that_were_changed(tmp_p
 def test_a_pool_that_scores_is_known_by_every_way_to_name_it():
     for name in ("dev-v0", "dev-v0/cramped_room/sp-0", str(find_pool("dev-v0"))):
         assert scoring_pools(["greedy", name]) == [("dev", "dev-v0")]
-    assert scoring_pools(["greedy", "train-v1"]) == []
+    people = [("people", "human-test"), ("people-standard", "human-test")]
+    assert scoring_pools(["human-test/{layout}/clone-0"]) == people
+    test = read_manifest(find_pool("human-test"))
+    assert scoring_pools(["greedy"], people_of(test)[:1]) == people, "partners made from the same people"
+    train = people_of(read_manifest(find_pool("human-train")))
+    assert scoring_pools(["greedy", "train-v1", "human-train"], train) == []
 
 
 def test_who_is_made_from_the_people_of_a_scoring_pool_has_met_its_partners(monkeypatch):

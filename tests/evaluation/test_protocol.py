@@ -181,3 +181,9 @@ def test_what_is_reported_changes_no_game(protocol):
 def test_a_protocol_names_a_pool_and_no_other_partners(protocol):
     assert protocol.play.pool == str(SCRIPTED_POOL)
     assert not {"partners", "floors"} & set(re.findall(r"\w+", (" ".join(Play.__struct_fields__))))
+
+
+def test_people_are_met_from_random_starts_and_from_the_standard_one():
+    people, standard = load_protocol("people"), load_protocol("people-standard")
+    assert msgspec.structs.replace(people.play, start="standard") == standard.play
+    assert (people.play.pool, people.play.start, people.report) == ("human-test", "random", standard.report)
