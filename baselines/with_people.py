@@ -102,11 +102,15 @@ def play_study(study: Pool, protocols: Sequence[Protocol], pool: str | None = No
         home = str(partners.folder.absolute())
         for layout in protocol.play.layouts:
             tasks += [_Task(protocol, home, partners.hash, layout, *who) for who in agents_of(study, layout)]
-    returns: dict[tuple[str, str, str], list[NDArray[np.float64]]] = defaultdict(list)
+    played: dict[tuple[str, str, str], NDArray[np.float64]] = {}
     for done, (task, found) in enumerate(map_tasks(_play, tasks, workers), start=1):
-        returns[task.protocol.play.start, task.layout, task.entrant].append(found)
+        played[task.protocol.play.start, task.layout, task.agent] = found
         if sys.stderr.isatty():
             print(f"\r{done} of {len(tasks)}", end="\n" * (done == len(tasks)), file=sys.stderr, flush=True)
+    returns: dict[tuple[str, str, str], list[NDArray[np.float64]]] = defaultdict(list)
+    for task in tasks:  # in this order under every protocol, whatever came first: a run is one value over the starts
+        start = task.protocol.play.start
+        returns[start, task.layout, task.entrant].append(played[start, task.layout, task.agent])
     first = tasks[0]
     met = pool_as_hashed(first.pool, first.pool_sha256)
     names = {layout: [partner.name for partner in _counting(met, layout)] for layout in first.protocol.play.layouts}
@@ -160,4 +164,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    from overcooked_bench.baselines.with_people import main as imported  # worker processes find `_play` by this name
+
+    raise SystemExit(imported())

@@ -61,6 +61,11 @@ def test_every_run_plays_with_every_partner_that_counts(tmp_path, monkeypatch):
     assert found.partners == {"cramped_room": expected}
     sizes = {entrant: found.of("cramped_room", entrant).shape for entrant in ("with a population", "self-play")}
     assert set(sizes.values()) == {(2, len(expected), 2, 2)}
+    in_order = with_people.map_tasks
+    monkeypatch.setattr(with_people, "map_tasks", lambda *given: reversed(list(in_order(*given))))
+    again = play_study(study, protocols())
+    for entrant in sizes:
+        assert np.array_equal(again.of("cramped_room", entrant), found.of("cramped_room", entrant))
 
 
 def test_the_games_begin_as_those_of_a_score(tmp_path, monkeypatch):
