@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 HOMES = PROJECT["tool"]["setuptools"]["package-dir"]
 NOT_SHIPPED = {".md"}
-"""Suffixes of what explains the tree to its readers and stays there."""
+"""Suffixes of what explains the tree to its readers and stays there; so does the folder of results."""
 
 
 def tree(root: Path = ROOT) -> dict[str, Path]:
@@ -22,7 +22,8 @@ def tree(root: Path = ROOT) -> dict[str, Path]:
     found = {}
     for package, folder in HOMES.items():
         for path in (root / folder).rglob("*"):
-            if path.is_file() and "__pycache__" not in path.parts and path.suffix not in NOT_SHIPPED:
+            shipped = path.suffix not in NOT_SHIPPED and path.parent.name != "results"
+            if path.is_file() and "__pycache__" not in path.parts and shipped:
                 found[f"{package.replace('.', '/')}/{path.relative_to(root / folder).as_posix()}"] = path
     return found
 
