@@ -96,15 +96,17 @@ def test_verify_says_with_whom_a_pool_shares_no_person(home, capsys):
         own = {"seed": seed, "namespace": name, "lineage": name, "people": people or None}
         write_manifest(home / name, name, [record("sp-0", **own)])
 
-    write("a", 5, "2019-00")
-    write("b", 6, "2019-01")
+    write("a", 5, "2030-00")
+    write("b", 6, "2030-01")
     assert main(["pool", "verify", "a", "--against", "b", "mine"]) == 0
-    assert said(capsys).startswith("shares no person with b\na (")
+    assert "shares no person with b\na (" in said(capsys)
     assert main(["pool", "verify", "mine", "--against", "a"]) == 0
     assert "person" not in said(capsys), "a pool without people has none to share"
-    write("c", 7, "2019-00")
+    write("c", 7, "2030-00")
     assert main(["pool", "verify", "c", "--against", "a", "b", "--json"]) == 1
     found = json.loads(said(capsys))
-    assert (found["shares_no_person_with"], found["findings"][0]["grave"]) == (["b"], True)
+    assert "b" in found["shares_no_person_with"]
+    assert "a" not in found["shares_no_person_with"]
+    assert found["findings"][0]["grave"]
     assert main(["pool", "show", "c"]) == 0
-    assert "made from games of 2019-00" in said(capsys)
+    assert "made from games of 2030-00" in said(capsys)
