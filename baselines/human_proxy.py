@@ -149,7 +149,7 @@ def train(config: Config, place: Place) -> Outcome | None:
         UnfitError: The settings do not fit the layout, or there is no such device.
     """
     check_device(config)
-    digest, rows = _digest(config), people_of(config)
+    digest, rows = games_digest(config.games), people_of(config)
 
     def cloned(part: str, place: Place = place) -> Clone:
         own = place.part(part, part)
@@ -194,14 +194,18 @@ def train(config: Config, place: Place) -> Outcome | None:
     )
 
 
-def _digest(config: Config) -> str:
-    """Returns the SHA-256 of the games file."""
-    if not is_file(config.games):
+def games_digest(file: str) -> str:
+    """Returns the SHA-256 of a games file.
+
+    Raises:
+        GamesError: It is missing or cannot be read; says how to make one.
+    """
+    if not is_file(file):
         raise GamesError(
-            f"{config.games}: no such file; `overcooked-bench games import-2019` writes {GAMES}, or give another games "
-            "file by --games"
+            f"{file}: no such file; `overcooked-bench games import-2019` writes {GAMES}, or give another games file by "
+            "--games"
         )
-    return hashlib.sha256(read_regular(config.games, MOST_BYTES, raises=GamesError)).hexdigest()
+    return hashlib.sha256(read_regular(file, MOST_BYTES, raises=GamesError)).hexdigest()
 
 
 def _alone(config: Config, place: Place) -> list[Outcome] | None:

@@ -6,7 +6,6 @@ What follows the line `KEPT` in the file is written by hand, and stays as it is 
 """
 
 import argparse
-import hashlib
 import json
 import sys
 from collections.abc import Sequence
@@ -15,12 +14,12 @@ from typing import Any, Final
 
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.errors import WrongUse
-from overcooked_bench.files import read_regular, write_whole
-from overcooked_bench.human.games import MOST_BYTES, read_games
+from overcooked_bench.files import write_whole
+from overcooked_bench.human.games import read_games
 from overcooked_bench.human.people import SETS, chosen
 
 from .cloning.sweep import FOUND
-from .human_proxy import GAMES
+from .human_proxy import GAMES, games_digest
 from .likeness.crowds import Length
 from .likeness.likeness import Likeness, likenesses
 from .likeness.pictures import draw_soups, draw_visits
@@ -48,7 +47,7 @@ def judged(games_file: str, pools: Sequence[str], length: Length) -> list[Likene
         PoolError: A pool is missing or damaged.
         WrongUse: A pool was made from other games, or none holds a human proxy.
     """
-    digest = hashlib.sha256(read_regular(games_file, MOST_BYTES, raises=WrongUse)).hexdigest()
+    digest = games_digest(games_file)
     recorded = read_games(games_file)
     games = [game for pairs in SETS for game in chosen(recorded, pairs)]
     loaded = [Pool.load(pool) for pool in pools]

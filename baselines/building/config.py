@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, get_args
 
 import msgspec
 
@@ -84,7 +84,7 @@ class Group(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
                 "keep",
                 list(self.keep),
                 len(set(self.keep)) == len(self.keep) > 0,
-                "kinds, each once",
+                f"some of {', '.join(get_args(Kind))}, each once",
             ),
             ("snapshots", list(self.snapshots), len(set(self.snapshots)) >= snapshots, f"{snapshots} shares at least"),
             (

@@ -4,7 +4,7 @@ Source: Carroll et al. 2019, "On the Utility of Learning about Humans for Human-
 the same recorded games). Held-out people decide when to stop, not held-out steps, which their neighbours give away.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import torch
@@ -103,7 +103,7 @@ def fit(
     )
     best, kept = Fitted(0, nats_per_step(log_likelihoods(policy, held_out), held_out)), _weights(policy)
     for epoch in range(1, settings.clone_epochs + 1):
-        for rows in _batches(len(drawn), settings.clone_batch, order):
+        for rows in torch.split(torch.randperm(len(drawn), generator=order), settings.clone_batch):
             seen, actions, returns = (
                 part[rows].to(policy.device) for part in (drawn.seen, drawn.actions, drawn.returns)
             )
@@ -126,10 +126,6 @@ def fit(
 def _judge(policy: TrunkPolicy, seen: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
     x = policy.features_extractor.features(seen)
     return torch.log_softmax(policy.action_net(x), 1), policy.value_net(x.detach()).squeeze(1)
-
-
-def _batches(rows: int, size: int, order: torch.Generator) -> Iterator[torch.Tensor]:
-    yield from torch.split(torch.randperm(rows, generator=order), size)
 
 
 def _weights(policy: TrunkPolicy) -> dict[str, torch.Tensor]:

@@ -62,16 +62,3 @@ def chosen(games: Sequence[Game], wanted: str) -> list[Game]:
     if missing and (wanted.strip() not in SETS or len(missing) == len(pairs)):
         raise WrongUse(f"no game of {', '.join(missing)}; there are games of {', '.join(present) or 'no people'}")
     return [game for game in games if game.group in pairs]
-
-
-def check_split(games: Sequence[Game]) -> None:
-    """Makes sure that both sets have games on each of the five layouts of 2019.
-
-    Raises:
-        WrongUse: They do not; says which set lacks which layout.
-    """
-    there = {(set_of(game.group), game.layout) for game in games}
-    for name in SETS:
-        lacking = [layout for layout in LAYOUTS_2019 if (name, layout) not in there]
-        if lacking:
-            raise WrongUse(f"set {name} has no game on {', '.join(lacking)}; give the file of all 76 games of 2019")

@@ -3,7 +3,7 @@
 import pytest
 
 from overcooked_bench.errors import WrongUse
-from overcooked_bench.human.people import LAYOUTS_2019, PAIRS_2019, SETS, check_split, chosen, set_of
+from overcooked_bench.human.people import PAIRS_2019, SETS, chosen, set_of
 from tests.human.made import random_game
 
 GAMES = [random_game(steps=1, group=pair) for pair in PAIRS_2019] + [random_game(steps=1), random_game(group="ours.1")]
@@ -44,10 +44,3 @@ def test_pairs_that_are_not_there_are_refused(wanted, message):
 def test_a_set_needs_a_game():
     with pytest.raises(WrongUse, match=r"no game of 2019-01, .*there are games of 2019-00"):
         chosen(GAMES[:1], "B")
-
-
-def test_a_split_needs_every_layout_in_both_sets():
-    whole = [random_game(layout, steps=1, group=f"2019-0{k}") for layout in LAYOUTS_2019 for k in (0, 1)]
-    check_split(whole)
-    with pytest.raises(WrongUse, match="set B has no game on counter_circuit"):
-        check_split(whole[:-1])
