@@ -229,9 +229,7 @@ def _check_entry(entry: Entry, which: str) -> None:
     people = entry.people
     if people is not None and (not all(map(str.strip, people)) or not 0 < len(set(people)) == len(people)):
         raise PoolError(f"{which}: its people are {list(people)}; name each once, or leave the key out")
-    measured = [(bound.seat, bound.side) for bound in entry.bounds or ()]
-    if len(set(measured)) < len(measured) or any(side < 0 for _, side in measured):
-        raise PoolError(f"{which}: its bounds are for {measured}; give each (seat, side) once, sides from 0")
+    _check_measured(entry, which)
     if not isinstance(entry.reference, PolicyReference):
         if entry.reference is None or entry.training is not None:
             raise PoolError(f"{which}: a trained agent has a policy, any other reference and no training")
@@ -248,6 +246,14 @@ def _check_entry(entry: Entry, which: str) -> None:
             outside = PurePosixPath(said).is_absolute() or ".." in PurePosixPath(said).parts
             what = "points outside the pool's folder" if outside else "is not this agent's file"
             raise PoolError(f"{which}: {shown(said)!r} {what}; its file is {expected!r}")
+
+
+def _check_measured(entry: Entry, which: str) -> None:
+    sides = [bound.side for bound in entry.bounds or ()]
+    if len(set(sides)) < len(sides) or any(side < 0 for side in sides):
+        raise PoolError(f"{which}: its bounds are for the sides {sides}; give each side once, from 0")
+    if entry.weight is not None and not 0 <= entry.weight <= 1:
+        raise PoolError(f"{which}: its weight is {entry.weight}; give its share of its stratum, from 0 to 1")
 
 
 def _is_grid(entry: Entry) -> bool:

@@ -154,6 +154,7 @@ class Training(Record, frozen=True, kw_only=True):
         checkpoint: Share of its run's training at which it was saved, from 0 (untrained) to 1 (final); None in format
             1.
         profile: How it plays with itself; None in format 1.
+        codebase: The project whose training code made it, such as "stable-baselines3"; None for this one.
     """
 
     method: str
@@ -165,6 +166,7 @@ class Training(Record, frozen=True, kw_only=True):
     configuration: str | None = None
     checkpoint: float | None = None
     profile: Profile | None = None
+    codebase: str | None = None
 
     @property
     def done(self) -> float:
@@ -182,21 +184,27 @@ class Training(Record, frozen=True, kw_only=True):
 
 
 class Bound(Record, frozen=True, kw_only=True):
-    """The returns that can be reached with a partner from one seat and side.
+    """The returns that can be reached with a partner from one side, both seats together.
 
     Attributes:
-        seat: Seat of the other agent, 0 or 1.
         side: Region that the other agent starts in; 0 if the floor is one region.
-        floor: Points per episode of an agent that never moves.
-        ceiling: Points per episode of the best response that is known.
-        responder: Reference of that best response.
-        responder_sha256: Hash of that best response.
+        floor: Points per episode of the better of `stay` and `random`.
+        floor_agent: Which of the two it is.
+        ceiling: Points per episode of the best known responder, in episodes that it was not chosen by.
+        low: Lower end of the ceiling's 95 % interval over episodes.
+        high: Upper end.
+        episodes: Number of these episodes.
+        responder: Reference of the best known responder.
+        responder_sha256: Its hash.
     """
 
-    seat: Literal[0, 1]
     side: int
     floor: float
+    floor_agent: Literal["stay", "random"]
     ceiling: float
+    low: float
+    high: float
+    episodes: int
     responder: str
     responder_sha256: str
 
@@ -212,11 +220,13 @@ class Entry(Record, frozen=True, kw_only=True):
         role: "partner" counts, "floor" is shown apart.
         stratum: Its origin: "self-play", "biased", "half-trained", "generalist", "scripted", "human", ...
         lineage: Equal for entries that are tied by initialisation, training partners, data or checkpoints.
-        convention: Equal for partners that cooperate well with each other; None if they have not been grouped.
-        bounds: The returns that can be reached with it, by seat and side; None if they have not been measured.
+        convention: What it does where agents have to agree, such as "onions=top, dishes=bottom"; None if it was not
+            measured.
+        bounds: The returns that can be reached with it, by side; None if they have not been measured.
         training: How it was trained; None for kinds other than policies.
         people: Whose recorded games it was made from, or its training partners were, such as "2019-07" for a pair of
             2019; None if no person's.
+        weight: Its share of its stratum's weight on its layout, from 0 to 1; None if all partners weigh the same.
     """
 
     name: str
@@ -229,6 +239,7 @@ class Entry(Record, frozen=True, kw_only=True):
     bounds: tuple[Bound, ...] | None = None
     training: Training | None = None
     people: tuple[str, ...] | None = None
+    weight: float | None = None
 
     @property
     def sha256(self) -> str:

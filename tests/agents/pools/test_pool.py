@@ -122,10 +122,11 @@ def test_a_changed_manifest_of_an_older_format_is_refused(tmp_path, form, change
 
 
 def test_every_kind_of_partner_is_written_and_read(pool_folder):
-    bound = Bound(seat=0, side=1, floor=3.5, ceiling=200.0, responder="br-0", responder_sha256="0" * 64)
+    reached = {"ceiling": 200.0, "low": 196.0, "high": 204.0, "episodes": 100}
+    bound = Bound(side=1, floor=3.5, floor_agent="random", responder="br-0", responder_sha256="0" * 64, **reached)
     behaviour = BehaviourReference(behaviour={"does": "carry", "insist": True}, version=VERSION)
     entries = [
-        record("sp-0", convention="left", bounds=(bound,)),
+        record("sp-0", convention="left", bounds=(bound,), weight=0.25),
         scripted("greedy"),
         scripted("stay", role="floor"),
         msgspec.structs.replace(scripted("rude"), reference=behaviour),
@@ -133,7 +134,7 @@ def test_every_kind_of_partner_is_written_and_read(pool_folder):
     write_manifest(pool_folder, "tiny", entries)
     pool = Pool.load(pool_folder)
     found = {entry.name: entry for entry in pool.partners("cramped_room")}
-    assert (found["sp-0"].convention, found["sp-0"].bounds) == ("left", (bound,))
+    assert (found["sp-0"].convention, found["sp-0"].bounds, found["sp-0"].weight) == ("left", (bound,), 0.25)
     assert found["greedy"].sha256 == find("greedy").sha256
     assert found["stay"].role == "floor"
     assert found["rude"].reference == behaviour
@@ -178,7 +179,8 @@ def test_an_optional_key_that_is_left_out_leaves_the_hash_alone(pool_folder):
     assert b"null" not in (pool_folder / "manifest.json").read_bytes()
 
 
-BOUND = {"seat": 0, "side": 0, "floor": 0.0, "ceiling": 1.0, "responder": "x", "responder_sha256": "x"}
+BOUND = {"side": 0, "floor": 0.0, "floor_agent": "stay", "ceiling": 1.0, "low": 0.0, "high": 2.0, "episodes": 100}
+BOUND |= {"responder": "x", "responder_sha256": "x"}
 
 
 def first(manifest):
@@ -206,7 +208,8 @@ def first(manifest):
         (lambda m: first(m).update(reference={"kind": "scripted", "agent": "greedy", "version": 1}), "no training"),
         (lambda m: first(m).update(reference={"kind": "magic"}), "Invalid value 'magic'"),
         (lambda m: first(m).pop("training"), "lacks 'training'"),
-        (lambda m: first(m).update(bounds=[BOUND, BOUND]), "each .seat, side. once"),
+        (lambda m: first(m).update(bounds=[BOUND, BOUND]), "give each side once"),
+        (lambda m: first(m).update(weight=1.5), "give its share of its stratum"),
         (lambda m: first(m)["training"].update(seed="5"), r"entries\[2\].training.seed"),
         (lambda m: first(m).pop("lineage"), "lineage"),
         (lambda m: first(m).update(surprise=1), "unknown field `surprise`"),
@@ -218,7 +221,7 @@ def first(manifest):
     ],
     ids=[
         *("entry", "hash", "name", "absolute", "parent", "other-file", "bad-name", "pool-name", "unknown-layout"),
-        *("cooking", "role", "stratum", "training", "kind", "untrained", "bounds"),
+        *("cooking", "role", "stratum", "training", "kind", "untrained", "bounds", "weight"),
         *("type", "missing", "unknown", "duplicate", "empty", "format", "older", "checkpoint"),
     ],
 )
