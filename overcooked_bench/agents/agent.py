@@ -43,8 +43,8 @@ class Agent(Protocol):
     plays the same in every batch; `sample_actions` draws actions in that way.
 
     Attributes:
-        observation: The observation that `act` takes: "lossless", "lossless26", "features", "stack_channels",
-            "stack_states", or "state" for a list of B `KitchenState`.
+        observation: The observation that `act` takes: "lossless", "lossless26", "blind", "features",
+            "stack_channels", "stack_states", or "state" for a list of B `KitchenState`.
     """
 
     observation: str

@@ -5,6 +5,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from overcooked_bench.agents.agent import Agent, Reference
+from overcooked_bench.agents.entries import shipped_entries
 from overcooked_bench.agents.kinds import KINDS, RUNS_CODE, SCRIPT, Entrant
 from overcooked_bench.agents.pools.manifest import read_manifest
 from overcooked_bench.agents.pools.pool import Pool, find_pool, is_pool, shipped_pools
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def catalogue() -> list[str]:
-    """Lists the names that `find` knows: scripted agents, scripts, then `pool/layout/agent` of the shipped pools.
+    """Lists the names that `find` knows: scripted agents, scripts, entries, then `pool/layout/agent` of shipped pools.
 
     Scripts that need further keys are left out; see `find`.
     """
@@ -29,7 +30,7 @@ def catalogue() -> list[str]:
     for name in shipped_pools():
         pool = Pool(find_pool(name), read_manifest(find_pool(name)))
         frozen += [f"{name}/{layout}/{agent.name}" for layout in pool.layouts for agent in pool.agents(layout)]
-    return [*SCRIPTED, *scripts, *frozen]
+    return [*SCRIPTED, *scripts, *shipped_entries(), *frozen]
 
 
 def find(reference: Reference, *, mode: "Mode" = "sample") -> Entrant:
@@ -87,7 +88,8 @@ def load_agent(reference: Reference, layout: str, training_seed: int = 0, mode: 
     Args:
         reference: What `find` takes: a name, a path, or a behaviour mapping.
         layout: The layout's name, for a custom grid its text.
-        training_seed: Which of a submission's independent training runs; other agents have one, whatever is given.
+        training_seed: Which independent training run of a submission or an entry; other agents have one, whatever is
+            given.
         mode: How frozen policies act: "sample" draws from their distribution, "greedy" takes the likeliest action.
 
     Raises:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from overcooked_bench.agents.agent import Agent, AgentFactory, Reference, UnknownLayout
+from overcooked_bench.agents.entries import load_entry, shipped_entries
 from overcooked_bench.agents.pools.manifest import read_manifest
 from overcooked_bench.agents.pools.pool import Pool, find_pool, is_pool
 from overcooked_bench.agents.scripted import SCRIPTED, scripted_sha256
@@ -47,8 +48,8 @@ class Entrant:
         sha256: Hash of what it is, hexadecimal: of a policy's weights, a submission's files, or a scripted agent's name
             and version.
         make: `make(layout, training_seed)` makes the agent; raises UnknownLayout if it cannot play the layout.
-        training_seeds: Independent training runs, S; `make` takes 0 to S - 1. Kinds other than submissions have one and
-            take any.
+        training_seeds: Independent training runs, S; `make` takes 0 to S - 1. Kinds other than submissions and entries
+            have one and take any.
         layout: The only layout that it plays, or None.
     """
 
@@ -164,6 +165,23 @@ def _pool_agents(reference: Reference, mode: "Mode") -> Entrant:
     return Entrant(_anywhere(name, pool), f"{pool.name}-{agent}", "pool agents", sha256, make)
 
 
+def _entry(reference: Reference, mode: "Mode") -> Entrant:
+    """Finds a shipped entry, whose training runs are its training seeds."""
+    name, entry = str(reference), load_entry(str(reference))
+    seeds = entry.training_seeds
+    whole = "".join(f"{layout} {run.sha256}\n" for layout in sorted(entry.runs) for run in entry.runs[layout])
+
+    def make(layout: str, training_seed: int) -> Agent:
+        if not 0 <= training_seed < seeds:
+            raise AgentError(f"{name}: no training seed {training_seed}; its {seeds} runs are 0 to {seeds - 1}")
+        if layout not in entry.runs:
+            raise UnknownLayout(f"the entry {name} was not trained on {layout!r}; it was on {', '.join(entry.runs)}")
+        policy = entry.pool.policy(layout, entry.runs[layout][training_seed].name)
+        return _frozen(policy, name, mode)(layout, training_seed)
+
+    return Entrant(name, name, "entry", hashlib.sha256(whole.encode()).hexdigest(), make, training_seeds=seeds)
+
+
 def _frozen(policy: "Policy", name: str, mode: "Mode") -> AgentFactory:
     trained_on = policy.architecture.layout
 
@@ -218,6 +236,7 @@ KINDS: Final[dict[str, Kind]] = {
         "{does: carry, insist: true}", lambda it: isinstance(it, Mapping) or str(it).lstrip()[:1] == "{", _behaviour
     ),
     "scripted": Kind("greedy", lambda it: str(it) in SCRIPTED, _scripted),
+    "entry": Kind("solo-cook", lambda it: str(it) in shipped_entries(), _entry),
     "script": Kind("script:carry", lambda it: str(it).startswith(SCRIPT), _script),
     "submission": Kind("my_agent.py, or a folder with agent.py", _is_submission, _submission),
     "function": Kind("my_agent.py:make_other", _is_function, _function),

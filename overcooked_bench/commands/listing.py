@@ -49,6 +49,7 @@ def _agents() -> Iterator[Line]:
         yield _line(name, agent.what)
     plain = tuple(f"{SCRIPT}{name}" for name, kind in KINDS.items() if not kind.needs)
     yield Line(f"{SCRIPT}DOES", f"a partner of the scenarios: {', '.join(KINDS)}", plain)
+    yield from _entries()
     for pool in _shipped():
         groups: dict[str, list[Entry]] = {}
         for layout in pool.layouts:
@@ -62,6 +63,15 @@ def _agents() -> Iterator[Line]:
                 f"{agents[0].trained.method}{_trained(agents)}, {len(names)} on each of {len(pool.layouts)} layouts",
                 tuple(f"{pool.name}/{agent.layout}/{agent.name}" for agent in agents),
             )
+
+
+def _entries() -> Iterator[Line]:
+    from overcooked_bench.agents.entries import load_entry, shipped_entries
+
+    for name in shipped_entries():
+        entry = load_entry(name)
+        method = next(iter(entry.runs.values()))[0].trained.method
+        yield _line(name, f"{method}, {entry.training_seeds} training seeds on each of {len(entry.runs)} layouts")
 
 
 def _trained(agents: "list[Entry]") -> str:
@@ -155,6 +165,7 @@ def _metrics() -> Iterator[Line]:
 KINDS: Final[dict[str, Callable[[], Iterator[Line]]]] = {
     "layouts": _layouts,
     "agents": _agents,
+    "entries": _entries,
     "pools": _pools,
     "protocols": _protocols,
     "observations": _observations,
@@ -180,7 +191,7 @@ def _list(options: argparse.Namespace) -> int:
         print_json({kind: [name for line in lines for name in line.names] for kind, lines in found.items()})
         return 0
     for kind, lines in found.items():
-        width = max(len(line.name) for line in lines)
+        width = max((len(line.name) for line in lines), default=0)
         count = sum(len(line.names) for line in lines)
         print(f"{kind} ({count})")
         for line in lines:

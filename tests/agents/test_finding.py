@@ -2,21 +2,23 @@
 
 import hashlib
 import os
+from dataclasses import replace
 
 import gymnasium as gym
 import numpy as np
 import pytest
 
 from overcooked_bench import UnknownLayout, load_agent, play_episodes, run_scenarios
+from overcooked_bench.agents import entries
 from overcooked_bench.agents.catalogue import find, find_unchanged
 from overcooked_bench.agents.kinds import KINDS
-from overcooked_bench.agents.pools.manifest import PoolError
+from overcooked_bench.agents.pools.manifest import PoolError, write_manifest
 from overcooked_bench.agents.scripted import SCRIPTED, Scripted
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.baselines.learning.settings import Settings
 from overcooked_bench.baselines.running.partners import load_partners, partner_names
 from overcooked_bench.evaluation.protocol import read_protocol
-from tests.agents.made import write_policy
+from tests.agents.made import record, write_policy
 from tests.evaluation.made import protocol_text, score
 
 LAYOUT = "cramped_room"
@@ -41,14 +43,18 @@ def make_south(layout, training_seed):
 
 
 @pytest.fixture
-def references(tmp_path, pool_folder):
+def references(tmp_path, pool_folder, monkeypatch):
     """One reference of each kind, with the kind and the name for tables."""
+    monkeypatch.setattr(entries, "_SHELF", replace(entries._SHELF, folder=str(tmp_path / "entries")))
+    write_policy(tmp_path / "entries" / "lone" / LAYOUT / "lone-0", 7)
+    write_manifest(tmp_path / "entries" / "lone", "lone", [record("lone-0")])
     (tmp_path / "north.py").write_text(NORTH)
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "agent.py").write_text(NORTH)
     policy = write_policy(tmp_path / "mine").weights
     return [
         ("greedy", "scripted", "greedy"),
+        ("lone", "entry", "lone"),
         ("script:{does: onions, insist: true}", "script", "script-does-onions-insist-true"),
         ({"does": "carry"}, "script", "script-does-carry"),
         ("{does: carry, insist: true}", "script", "script-does-carry-insist-true"),

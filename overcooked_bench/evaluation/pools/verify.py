@@ -11,6 +11,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from overcooked_bench.agents.entries import load_entry, shipped_entries
 from overcooked_bench.agents.policies.neural import PolicyStack
 from overcooked_bench.agents.policies.policy import PolicyError
 from overcooked_bench.agents.pools.lineage import Finding, check_lineages, shared_people
@@ -63,7 +64,8 @@ def verify_pool(
 
     1. Every file is there and hashed as the manifest says, and no weights occur twice.
     2. Every scripted partner is known here, in the version that the pool means.
-    3. The lineage rules of `check_lineages`, also against the shipped pools of other names and those of `against`.
+    3. The lineage rules of `check_lineages`, also against the shipped pools and entries of other names and those of
+       `against`.
     4. Every trained agent is loaded and plays one episode with itself.
     5. No two trained agents act the same way on the states that were met; if some do, that is a warning.
 
@@ -83,6 +85,7 @@ def verify_pool(
     except PoolError as error:
         return Verdict(None, (Finding(True, str(error)),), 0)
     others = [read_manifest(find_pool(name)) for name in shipped_pools() if name != pool.name]
+    others += [load_entry(name).pool.manifest for name in shipped_entries() if name != pool.name]
     others += [other for other in further if other.hash not in {pool.hash, *(known.hash for known in others)}]
     findings, played = [*_versions(pool), *check_lineages(pool.manifest, others)], 0
     trained = [layout for layout in pool.layouts if pool.agents(layout)]

@@ -1,6 +1,7 @@
 """Observations: pure, the same into a buffer, and stacks made of recorded single observations."""
 
 from collections import deque
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 
 from overcooked_bench import Chef, Kitchens, KitchenState, Soup
 from overcooked_bench.kitchen.image import CHANNELS
+from overcooked_bench.kitchen.observations.blind import BLIND_CHANNELS
 from overcooked_bench.kitchen.observations.grid import ONION_CHANNELS
 from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
 from overcooked_bench.kitchen.observations.stack_channels import PAST_CHANNELS
@@ -49,6 +51,26 @@ def test_lossless_is_lossless26_without_the_tomato_channels(data, seed):
 
 def test_the_onion_channels_are_all_but_the_four_of_tomatoes():
     assert tuple(k for k in range(26) if k not in (13, 17, 19, 24)) == ONION_CHANNELS
+
+
+@law
+@given(st.data(), st.integers(0, 1))
+def test_a_blind_chef_sees_the_kitchen_and_nothing_of_its_partner(data, seat):
+    layout = data.draw(layouts(tomatoes=False))
+    kitchens = Kitchens(layout, 3, cooking="manual")
+    state, elsewhere = data.draw(states(layout)), data.draw(states(layout))
+    other = next(chef for chef in elsewhere.chefs if chef.position != state.chefs[seat].position)
+    for i, partner in enumerate((state.chefs[1 - seat], other, replace(other, holding=None))):
+        chefs = (state.chefs[seat], partner)
+        kitchens.set_state(i, replace(state, chefs=chefs if seat == 0 else chefs[::-1]))
+    views = kitchens.observe("blind")[:, seat]
+    np.testing.assert_array_equal(views[1:], views[[0, 0]])
+    np.testing.assert_array_equal(views[2], kitchens.observe("lossless26")[2, seat, list(BLIND_CHANNELS)])
+
+
+def test_what_a_blind_chef_misses_is_where_its_partner_stands_and_looks():
+    missing = [CHANNELS[k] for k in ONION_CHANNELS if k not in BLIND_CHANNELS]
+    assert missing == ["other_position", *(f"other_faces_{way}" for way in ("north", "south", "east", "west"))]
 
 
 @law
@@ -163,7 +185,7 @@ def test_the_last_39_steps_are_urgent(horizon, first_urgent):
 @pytest.mark.parametrize(
     ("layout", "name", "message"),
     [
-        ("cramped_room", "pixels", "no observation named 'pixels'; choose one of features, lossless, "),
+        ("cramped_room", "pixels", "no observation named 'pixels'; choose one of blind, features, lossless, "),
         ("cramped_room", "stack_states", "'stack_states' needs the past: make Kitchens"),
         ("cramped_room", "stack_channels", "'stack_channels' needs the past"),
         (
