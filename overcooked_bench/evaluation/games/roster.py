@@ -1,6 +1,6 @@
 """The partners of a layout: who they are, and the agents that play them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final, Literal
@@ -19,7 +19,7 @@ from overcooked_bench.kitchen.layout import MIRRORED, Layout
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.agent import Agent
-    from overcooked_bench.agents.policies.policy import Architecture
+    from overcooked_bench.agents.policies.policy import Architecture, Policy
 
 Kind = Literal["trained", "scripted", "floor"]
 FLOOR: Final = "floor"
@@ -81,7 +81,7 @@ def check_pool(pool: Pool, protocol: Protocol, layouts: Sequence[str]) -> None:
             check_version(pool.manifest, partner.entry)
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=16)
 def pool_as_hashed(folder: str, sha256: str) -> Pool:
     """Returns the pool of a folder, read once per process, as it was when playing began.
 
@@ -121,25 +121,55 @@ def seat_partners(
         mode: How they act.
         layout: Where they play.
     """
-    parties: list[Seated] = []
-    home = _plain(layout)
+    present = np.unique(who).tolist()
+    trained = [index for index in present if isinstance(partners[index].entry.reference, PolicyReference)]
+    policies = {index: pool.policy(_plain(layout), partners[index].name) for index in trained}
+    parties = []
+    for index in present:
+        if index not in policies:
+            rows = np.flatnonzero(who == index)
+            parties.append(seat_scripted(partners[index].entry, rows, seats[rows], layout))
+    return parties + seat_policies(policies, who, seats, mode, layout)
+
+
+def seat_scripted(entry: Entry, rows: NDArray[np.int64], seats: NDArray[np.int64], layout: str) -> Seated:
+    """Makes the agent that plays a scripted entry in some kitchens; one process has one agent for each scripted entry.
+
+    Args:
+        entry: Of a scripted agent or a behaviour.
+        rows: (B,) its kitchens; a kitchen is listed twice if it sits on both seats.
+        seats: (B,) its seat in each.
+        layout: Where it plays.
+    """
+    return Seated(_scripted(entry, layout), entry.name, rows, seats)
+
+
+def seat_policies(
+    policies: "Mapping[int, Policy]", who: NDArray[np.int64], seats: NDArray[np.int64], mode: str, layout: str
+) -> list[Seated]:
+    """Makes the agents that play frozen policies: one for all policies of an architecture.
+
+    Args:
+        policies: Index -> policy.
+        who: (N,) int64, the index of who plays in each kitchen; kitchens of other indices get no agent.
+        seats: (N,) int64, the seat in each kitchen.
+        mode: How they act.
+        layout: Where they play.
+    """
     stacks: dict[Architecture, list[int]] = {}
     for index in np.unique(who).tolist():
-        partner = partners[index]
-        if isinstance(partner.entry.reference, PolicyReference):
-            stacks.setdefault(pool.policy(home, partner.name).architecture, []).append(index)
-        else:
-            rows = np.flatnonzero(who == index)
-            parties.append(Seated(_scripted(partner.entry, layout), partner.name, rows, seats[rows]))
+        if index in policies:
+            stacks.setdefault(policies[index].architecture, []).append(index)
+    parties = []
     for indices in stacks.values():
         from overcooked_bench.agents.policies.neural import NeuralAgent
 
         rows = np.flatnonzero(np.isin(who, indices))
         rows = rows[np.argsort(who[rows], kind="stable")]
-        policies = [pool.policy(home, partners[index].name) for index in indices]
-        agent: Agent = NeuralAgent(policies, mode, index=np.searchsorted(indices, who[rows]))  # type: ignore[arg-type]
-        names = ", ".join(partners[index].name for index in indices)
-        parties.append(Seated(agent if home == layout else mirrored(agent), names, rows, seats[rows]))
+        stacked, index = [policies[i] for i in indices], np.searchsorted(indices, who[rows])
+        agent: Agent = NeuralAgent(stacked, mode, index=index)  # type: ignore[arg-type]
+        names = ", ".join(policy.name for policy in stacked)
+        parties.append(Seated(agent if _plain(layout) == layout else mirrored(agent), names, rows, seats[rows]))
     return parties
 
 
