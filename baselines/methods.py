@@ -15,6 +15,7 @@ METHODS: Final[dict[str, str]] = {
     "pretrained-partners": "one learner against partners trained beforehand (fictitious co-play)",
     "pbt": "population-based training: agents learn with each other, and copies of the best replace the worst",
     "population": "the thesis's method: agents trained one by one to differ from those before, then two final agents",
+    "stock-ppo": "self-play by another trainer: stable-baselines3's PPO as it comes",
     "human-proxy": "clones of people in recorded games, then PPO that pays for its divergence from the clone",
 }
 """Method -> what it trains. Its module in this package has the same name, with underscores."""

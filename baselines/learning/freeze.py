@@ -5,7 +5,7 @@ from typing import Any, Final
 
 import numpy as np
 import torch
-from stable_baselines3 import DQN
+from stable_baselines3 import DQN, PPO
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from overcooked_bench.agents.policies.neural import NeuralAgent
@@ -15,6 +15,7 @@ from overcooked_bench.kitchen.layout import Layout
 
 from .networks import Trunk, TrunkPolicy
 from .settings import Settings
+from .stock import stock_weights
 
 Returns = np.ndarray[tuple[int], np.dtype[np.float64]]
 
@@ -34,7 +35,7 @@ def freeze(stem: Path, model: BaseAlgorithm, settings: Settings) -> PolicyFiles:
         "hidden": settings.hidden,
     }
     if settings.network == "mlp":
-        told["activation"] = "relu"
+        told["activation"] = "tanh" if type(model) is PPO else "relu"
     else:
         told["filters"] = settings.filters
         if len(shape) == 4:  # past states are stacked
@@ -45,6 +46,8 @@ def freeze(stem: Path, model: BaseAlgorithm, settings: Settings) -> PolicyFiles:
 def _actor_weights(model: BaseAlgorithm) -> dict[str, torch.Tensor]:
     if isinstance(model.policy, TrunkPolicy):
         return model.policy.actor_weights()
+    if type(model) is PPO:
+        return stock_weights(model.policy)
     assert isinstance(model, DQN)
     trunk, values = model.q_net.features_extractor, model.q_net.q_net[-1]
     assert isinstance(trunk, Trunk)

@@ -43,7 +43,7 @@ class Agent(Protocol):
     plays the same in every batch; `sample_actions` draws actions in that way.
 
     Attributes:
-        observation: The observation that `act` takes: "lossless", "lossless26", "blind", "features",
+        observation: The observation that `act` takes: "lossless", "lossless26", "lossless_2019", "blind", "features",
             "stack_channels", "stack_states", or "state" for a list of B `KitchenState`.
     """
 

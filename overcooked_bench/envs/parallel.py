@@ -163,7 +163,7 @@ def parallel_env(
 
     Args:
         layout: A shipped name, a grid's text, the path of a `.layout` file, or a Layout.
-        observation: "lossless", "lossless26", "blind", "features", "stack_channels" or "stack_states".
+        observation: "lossless", "lossless26", "lossless_2019", "blind", "features", "stack_channels" or "stack_states".
         cooking: "auto" or "manual".
         start: "random" or "standard".
         object_probability: Chance of each pot and each pair of hands to be filled at the start.

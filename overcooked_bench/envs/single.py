@@ -58,6 +58,7 @@ class OvercookedEnv(gymnasium.Env[NDArray[Any], Any]):
     |---|---|---|
     | `lossless` | (22, H, W) | the 26 channels below without the four of tomatoes; not on layouts with tomatoes |
     | `lossless26` | (26, H, W) | all channels |
+    | `lossless_2019` | (20, H, W) | the encoding of 2019 with its fault, for agents trained to see it |
     | `features` | (96,) float32 | hand-made distances and flags of both chefs |
     | `blind` | (17, H, W) | `lossless` without the other chef and what it holds |
     | `stack_channels` | (52, H, W) | `lossless`, then channels 0 to 9 of one, two and three steps ago |

@@ -36,6 +36,7 @@ WRONG = [
     ("pbt", {"agents": 5}, "each agent a kitchen"),
     ("pbt", {"agents": 2, "rounds": 1, "check_share": 0.5}, "check_share=0.5.* leave both out"),
     ("pbt", {"agents": 2, "rounds": 1, "snapshots": (0.5,)}, "leave both out"),
+    ("stock-ppo", {"network": "cnn", "observation": "stack_states"}, "'stack_states' is no single grid"),
     ("population", {"per_episode": 5, "chosen": 5}, "at most one partner for each of the 4 kitchens"),
     ("population", {"candidate_steps": UPDATE - 1}, f"candidate_steps={UPDATE - 1}: .* at least two updates"),
     ("population", {"final_factor": 0.5}, "final_factor=0.5; give a factor from 1"),
