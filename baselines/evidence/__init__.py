@@ -1,0 +1,1 @@
+"""Shows what a pool covers, and that its scores rank agents as other partners do."""
