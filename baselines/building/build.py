@@ -34,7 +34,8 @@ from ..running.locks import locked
 from ..running.parts import checkpoints
 from ..running.place import CONFIG_FILE, Place, read_record, write_record
 from ..running.run import Outcome
-from .config import CLONE, EARLY, FINAL, HALF, Kind, PoolConfig, Run
+from .config import PoolConfig, Run
+from .groups import CLONE, EARLY, FINAL, HALF, Kind
 
 AGENTS_FILE: Final = "agents.json"
 """A finished run's agents, in its folder: their entries, and where their policies lie."""
@@ -72,9 +73,9 @@ def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
     """
     if (folder / AGENTS_FILE).exists():
         return True
-    train = find_method(run.group.method).train
+    method = find_method(run.group.method)
     place = Place(folder, run.seed, resume=(folder / CONFIG_FILE).exists(), every=every)
-    outcome: Outcome | None = train(run.settings, place)
+    outcome: Outcome | None = method.train(run.settings, place)
     if outcome is None:
         return False
     resolved = read_record(folder / CONFIG_FILE, dict[str, Any]) or {}
@@ -93,6 +94,7 @@ def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
             configuration=run.configuration,
             checkpoint=round(done / outcome.steps, 4) if outcome.steps else 1.0,
             profile=found.profile,
+            codebase=getattr(method, "CODEBASE", None),
         )
         record = Entry(
             name=run.agent(kind),
@@ -145,7 +147,7 @@ def publish(run: Run, folder: Path, pool: Path) -> list[Entry]:
         PoolError: The pool that is there is damaged.
     """
     kept = _read_agents(folder / AGENTS_FILE)
-    records = [one.record for one in kept]
+    records = [_labelled(run, one.record) for one in kept]
     for record in records:
         _check_entry(run, record, f"{folder}: this run")
     if sorted(record.name for record in records) != sorted(map(run.agent, run.group.keep)):
@@ -153,10 +155,10 @@ def publish(run: Run, folder: Path, pool: Path) -> list[Entry]:
             f"{folder}: this run kept other agents than the configuration asks for; use another --runs"
         )
     with locked(pool):
-        for one in kept:
+        for one, record in zip(kept, records, strict=True):
             if not Path(os.path.realpath(folder / one.policy)).is_relative_to(os.path.realpath(folder)):
                 raise PoolBuildError(f"{folder / AGENTS_FILE}: {shown(one.policy)!r} is not in this folder")
-            ours, theirs = policy_files(folder / one.policy), policy_files(pool / run.layout / one.record.name)
+            ours, theirs = policy_files(folder / one.policy), policy_files(pool / run.layout / record.name)
             for source, target in zip(ours, theirs, strict=True):
                 target.parent.mkdir(exist_ok=True)
                 write_whole(target, read_regular(source, MOST_BYTES, raises=PoolBuildError))
@@ -164,22 +166,29 @@ def publish(run: Run, folder: Path, pool: Path) -> list[Entry]:
         known = {(entry.layout, entry.name): entry for entry in policies(manifest)} if manifest else {}
         known |= {(record.layout, record.name): record for record in records}
         beside = run.pool.scripted_entries({layout for layout, _ in known})
-        write_manifest(pool, run.pool.name, [*known.values(), *beside], cooking=run.pool.cooking)
+        write_manifest(pool, run.pool.trained, [*known.values(), *beside], cooking=run.pool.cooking)
     return records
 
 
+def _labelled(run: Run, record: Entry) -> Entry:
+    """Returns an agent's entry with the stratum that the configuration gives."""
+    return msgspec.structs.replace(record, stratum=run.group.stratum or record.stratum)
+
+
 def missing(config: PoolConfig, pool: Path) -> list[Run]:
-    """Lists the runs whose agents the pool does not hold yet.
+    """Lists the runs whose agents the pool does not hold yet, or with quotas the pool of their candidates.
 
     Raises:
         PoolBuildError: The pool is not this configuration's.
         PoolError: It is damaged.
     """
-    manifest, runs = _manifest(pool), config.runs()
+    manifest, runs, option = _manifest(pool), config.runs(), "--runs" if config.quotas else "--output"
     if manifest is None:
         return runs
-    if (manifest.name, manifest.cooking, manifest.mode) != (config.name, config.cooking, "sample"):
-        raise PoolBuildError(f"{pool} holds the pool {manifest.name!r}, not {config.name!r}; choose another --output")
+    if (manifest.name, manifest.cooking, manifest.mode) != (config.trained, config.cooking, "sample"):
+        raise PoolBuildError(
+            f"{pool} holds the pool {manifest.name!r}, not {config.trained!r}; choose another {option}"
+        )
     held = {(entry.layout, entry.name): entry for entry in policies(manifest)}
     for entry in held.values():
         check_files(pool, manifest, entry)
@@ -188,19 +197,20 @@ def missing(config: PoolConfig, pool: Path) -> list[Run]:
     if manifest.format == FORMAT and sorted(beside, key=_order) != sorted(wanted, key=_order):
         raise PoolBuildError(
             f"{pool} holds other scripted partners than the configuration names "
-            f"({', '.join(sorted({entry.name for entry in beside})) or 'none'}); choose another --output"
+            f"({', '.join(sorted({entry.name for entry in beside})) or 'none'}); choose another {option}"
         )
-    left = []
-    for run in runs:
+    left, counted = [], {run.path for run in runs}
+    further = [run for layout in config.layouts for quota in config.quotas for run in config.further(layout, quota)]
+    for run in [*runs, *further]:
         agents = [held.pop((run.layout, run.agent(kind)), None) for kind in run.group.keep]
         for agent in filter(None, agents):
             _check_entry(run, agent, f"{pool}: the agent {agent.layout}/{agent.name}")
-        if None in agents:
+        if None in agents and run.path in counted:
             left.append(run)
     if held:
         names = ", ".join("/".join(key) for key in sorted(held))
         raise PoolBuildError(
-            f"{pool} holds agents that the configuration does not name ({names}); choose another --output"
+            f"{pool} holds agents that the configuration does not name ({names}); choose another {option}"
         )
     return left
 

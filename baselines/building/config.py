@@ -1,21 +1,20 @@
 """The configuration of a pool: `configs/pools/<name>.yaml`, groups of training runs and which of their agents enter.
 
-Every agent of the pool follows from the file: its name, its layout, its training seed and all settings.
+Every agent of the pool follows from the file, and from the salt of a build: its name, its layout, its training seed and
+all settings. With quotas, the runs' agents are candidates, and the pool is chosen among them.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
-from typing import Any, Final, Literal, get_args
+from typing import Final, Literal
 
 import msgspec
 
-from overcooked_bench.agents.behaviours.parsing import VERSION, parse_behaviour
-from overcooked_bench.agents.pools.records import BehaviourReference, Entry, Role, ScriptedReference
-from overcooked_bench.agents.scripted import SCRIPTED
-from overcooked_bench.documents import LONGEST, parse_yaml
+from overcooked_bench.agents.pools.records import Entry
+from overcooked_bench.documents import LONGEST, Document, parse_yaml
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.files import check_name, read_text
 from overcooked_bench.kitchen.layout import layout_names
@@ -24,20 +23,10 @@ from overcooked_bench.shelf import Shelf
 from ..learning.settings import Settings
 from ..presets import PresetError, config_names, load_config
 from ..running.seeds import derive_seed
+from .groups import Group, Kind, ScriptedPartner
 
-Kind = Literal["final", "half", "early", "clone"]
-FINAL: Final = "final"
-"""The agent at the end of a run."""
-HALF: Final = "half"
-"""The snapshot whose return with itself is nearest to half of the final one's."""
-EARLY: Final = "early"
-"""The first snapshot."""
-CLONE: Final = "clone"
-"""The clone of people that a human proxy is before it is trained further."""
-
-
-MOST_RUNS: Final = 1000
-"""Runs of one kind on one layout."""
+FURTHER: Final = 8
+"""Most runs of a group on a layout beyond its count, where a quota lacks candidates."""
 
 
 class PoolConfigError(WrongUse):
@@ -49,105 +38,17 @@ _SHELF: Final = Shelf(
 )
 
 
-class Group(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Training runs of one kind.
-
-    Attributes:
-        prefix: Agents are named `<prefix>-<index>`, and `-<kind>` is added for all kinds but the first of `keep`.
-        method: Training method.
-        count: Runs on each layout.
-        config: A configuration of the method, the first one by default.
-        first: Index of the first seed among the method's in this namespace; groups of one method use different seeds.
-        overrides: Settings that replace the configuration's.
-        by_layout: The same for single layouts, on top of it.
-        keep: Which agents of a run enter the pool.
-        snapshots: Shares of the steps at which policies are saved for `half` and `early` to be chosen from.
-    """
-
-    prefix: str
-    method: str
-    count: int
-    config: str = ""
-    first: int = 0
-    overrides: dict[str, Any] = {}
-    by_layout: dict[str, dict[str, Any]] = {}
-    keep: tuple[Kind, ...] = (FINAL,)
-    snapshots: tuple[float, ...] = ()
-
-    def __post_init__(self) -> None:
-        snapshots = sum(kind in (HALF, EARLY) for kind in self.keep)
-        left = sorted(set(self.snapshots))[int(EARLY in self.keep) :]
-        for key, value, right, wanted in (
-            ("count", self.count, 1 <= self.count <= MOST_RUNS, f"a number from 1 to {MOST_RUNS:,}"),
-            ("first", self.first, self.first >= 0, "a number from 0"),
-            (
-                "keep",
-                list(self.keep),
-                len(set(self.keep)) == len(self.keep) > 0,
-                f"some of {', '.join(get_args(Kind))}, each once",
-            ),
-            ("snapshots", list(self.snapshots), len(set(self.snapshots)) >= snapshots, f"{snapshots} shares at least"),
-            (
-                "keep",
-                list(self.keep),
-                CLONE not in self.keep or self.method == "human-proxy",
-                "clone to runs of human-proxy alone",
-            ),
-            ("snapshots", list(self.snapshots), HALF not in self.keep or any(left), "one above 0 for half to be"),
-        ):
-            if not right:
-                raise ValueError(f"group {self.prefix}: {key} is {value!r}; give {wanted}")
-
-
-class ScriptedPartner(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A partner that nobody trains, on every layout of the pool.
-
-    Attributes:
-        name: The entry's name.
-        agent: Name of a scripted agent; the entry's name by default.
-        behaviour: A behaviour as scenarios write it, instead of a scripted agent.
-        role: "partner" counts, "floor" is shown apart.
-    """
-
-    name: str
-    agent: str = ""
-    behaviour: dict[str, Any] | None = None
-    role: Role = "partner"
-
-    def __post_init__(self) -> None:
-        if self.behaviour is not None:
-            parse_behaviour(self.behaviour)
-        elif (self.agent or self.name) not in SCRIPTED:
-            raise ValueError(f"no scripted agent named {self.agent or self.name!r}; there are {', '.join(SCRIPTED)}")
-
-    def entry(self, layout: str) -> Entry:
-        """Returns its entry on a layout, in the version that is played here."""
-        agent = self.agent or self.name
-        reference: ScriptedReference | BehaviourReference
-        if self.behaviour is None:
-            reference = ScriptedReference(agent=agent, version=SCRIPTED[agent].version)
-        else:
-            reference = BehaviourReference(behaviour=self.behaviour, version=VERSION)
-        return Entry(
-            name=self.name,
-            layout=layout,
-            reference=reference,
-            role=self.role,
-            stratum="scripted",
-            lineage=f"scripted/{agent}",
-        )
-
-
 class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A pool to be built.
 
     Attributes:
         name: The pool's name.
-        namespace: What seeds are derived in; no other pool's.
+        namespace: What seeds are derived in; no other pool's. By default the pool's name.
         layouts: Shipped layouts.
         groups: What is trained on each of them.
         cooking: Cooking mode of all agents.
         scripted: Partners beside the trained ones.
+        quotas: How many candidates of each quota are chosen on each layout; none if all agents enter the pool.
     """
 
     name: str
@@ -156,10 +57,11 @@ class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     groups: tuple[Group, ...]
     cooking: Literal["auto", "manual"] = "auto"
     scripted: tuple[ScriptedPartner, ...] = ()
+    quotas: dict[str, int] = {}
 
     def __post_init__(self) -> None:
         strange = sorted(
-            {*self.layouts, *(name for group in self.groups for name in group.by_layout)} - {*layout_names()}
+            {*self.layouts, *(name for group in self.groups for name in _layouts_of(group))} - {*layout_names()}
         )
         if strange or not self.layouts or len(set(self.layouts)) < len(self.layouts):
             raise ValueError(
@@ -170,27 +72,63 @@ class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         for one, other in combinations(self.groups, 2):
             if one.prefix == other.prefix:
                 raise ValueError(f"two groups have the prefix {one.prefix!r}; give each its own")
-            overlap = max(one.first, other.first) < min(one.first + one.count, other.first + other.count)
+            overlap = max(one.first, other.first) < min(one.first + one.most, other.first + other.most)
             if one.method == other.method and overlap:
                 raise ValueError(
                     f"groups {one.prefix} and {other.prefix} would use the same seeds of {one.method}; write "
-                    f"first: {one.first + one.count} in {other.prefix}"
+                    f"first: {one.first + one.most} in {other.prefix}"
                 )
+        self._check_quotas()
+
+    def _check_quotas(self) -> None:
+        asked = [(group.prefix, group.quota) for group in self.groups]
+        asked += [(one.name, one.quota) for one in self.scripted if one.quota or (self.quotas and one.role != "floor")]
+        for name, quota in asked:
+            if quota not in self.quotas and (quota or self.quotas):
+                raise ValueError(
+                    f"quotas has no {quota!r}, which {name} is a candidate for; "
+                    f"it has {', '.join(self.quotas) or 'none'}"
+                )
+        for quota, number in self.quotas.items():
+            if number < 1 or quota not in {asked_for for _, asked_for in asked}:
+                raise ValueError(f"quotas has {quota}: {number}; give a number from 1, and groups with this quota")
+
+    @property
+    def trained(self) -> str:
+        """The name of the pool that finished runs enter: this one, or that of its candidates."""
+        return f"{self.name}-candidates" if self.quotas else self.name
 
     def scripted_entries(self, layouts: Iterable[str]) -> list[Entry]:
-        """Lists the entries of the scripted partners on some layouts."""
-        return [partner.entry(layout) for layout in sorted(layouts) for partner in self.scripted]
+        """Lists the entries of the scripted partners that stand beside the trained ones on some layouts."""
+        beside = () if self.quotas else self.scripted
+        return [partner.entry(layout) for layout in sorted(layouts) for partner in beside]
 
     def runs(self) -> "list[Run]":
         """Lists all training runs: the first of each group on every layout, then the second, and so on."""
-        most = max(group.count for group in self.groups)
+        most = max(group.most for group in self.groups)
         return [
             Run(self, group, layout, index)
             for index in range(most)
             for group in self.groups
             for layout in self.layouts
-            if index < group.count
+            if index < group.runs_on(layout)
         ]
+
+    def further(self, layout: str, quota: str) -> "list[Run]":
+        """Lists the runs that are added one by one where too few candidates for a quota are fit.
+
+        Each of its groups in turn has the next seed, up to where another group's seeds begin; a group that has no run
+        on the layout is left out.
+        """
+        found = []
+        for more in range(FURTHER):
+            for group in self.groups:
+                index = group.runs_on(layout) + more
+                after = [other.first for other in self.groups if other.method == group.method]
+                free = all(first <= group.first or group.first + index < first for first in after)
+                if group.quota == quota and index > more and free:
+                    found.append(Run(self, group, layout, index))
+        return found
 
 
 @dataclass(frozen=True)
@@ -212,7 +150,7 @@ class Run:
     @property
     def name(self) -> str:
         """The name of its first agent, which the others' names begin with."""
-        return f"{self.group.prefix}-{self.index:0{len(str(self.group.count - 1))}}"
+        return f"{self.group.prefix}-{self.index:0{len(str(self.group.most - 1))}}"
 
     def agent(self, kind: Kind) -> str:
         """The name of one of its agents."""
@@ -263,17 +201,44 @@ def pool_config_names() -> tuple[str, ...]:
     return _SHELF.names()
 
 
-def load_pool_config(source: str | Path) -> PoolConfig:
+def load_pool_config(source: str | Path, salt: str = "") -> PoolConfig:
     """Reads a shipped configuration by name, or a YAML file, and checks the settings of every run.
 
+    A file with `extends: NAME` has everything from the configuration NAME that it does not write itself, but its
+    namespace: it makes a twin, with the same recipe and other seeds.
+
+    Args:
+        source: Name or file.
+        salt: Enters the namespace of all seeds; only those who know it can train the same agents.
+
     Raises:
-        PoolConfigError: No such name or file, or something in it is wrong.
+        PoolConfigError: No such name or file, or something in it or the salt is wrong.
     """
-    text = read_text(_SHELF.find(source), LONGEST, raises=PoolConfigError)
-    config = parse_yaml(text, str(source), PoolConfigError).convert(PoolConfig)
+    document = _read(source)
+    own = dict(document.data)
+    if (base := own.pop("extends", None)) is not None:
+        theirs = _read(base).data if isinstance(base, str) else {}
+        if not theirs or "extends" in theirs:
+            raise document.error(("extends",), "extends is to name a configuration that extends no other one")
+        own = {key: value for key, value in theirs.items() if key != "namespace"} | own
+    if salt:
+        check_name(salt, "the salt", PoolConfigError)
+    if isinstance(name := own.get("namespace", own.get("name")), str):
+        own["namespace"] = f"{name}/{salt}" if salt else name
+    config = replace(document, data=own).convert(PoolConfig)
     check_name(config.name, f"{source}: the key `name`", PoolConfigError)
     for group in config.groups:
         check_name(group.prefix, f"{source}: the key `prefix`", PoolConfigError)
     for run in config.runs():
         _ = run.settings
     return config
+
+
+def _read(source: str | Path) -> Document:
+    text = read_text(_SHELF.find(source), LONGEST, raises=PoolConfigError)
+    return parse_yaml(text, str(source), PoolConfigError)
+
+
+def _layouts_of(group: Group) -> set[str]:
+    """Returns the layouts that a group names."""
+    return {*group.by_layout, *(group.count if isinstance(group.count, dict) else ())}

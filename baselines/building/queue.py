@@ -22,8 +22,8 @@ from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.processes import follow_parent, hold_stops, listen, start_process
 
 from ..running.locks import locked
-from .build import PoolBuildError, missing, publish, train_run
-from .config import PoolConfig, PoolConfigError, Run, load_pool_config
+from .build import PoolBuildError, publish, train_run
+from .config import Run
 
 LOG: Final = "log.txt"
 _DONE, _FAILED, _STOPPED, _TAKEN = 0, 1, 130, 75
@@ -47,49 +47,14 @@ class Result:
     taken: list[str] = field(default_factory=list)
     stopped: bool = False
 
-
-def main(
-    source: str,
-    runs: str | None = None,
-    output: str | None = None,
-    workers: int = 1,
-    layouts: Sequence[str] | None = None,
-    groups: Sequence[str] | None = None,
-    limit: int | None = None,
-) -> int:
-    """Builds a pool as far as it is asked for.
-
-    Args:
-        source: A shipped configuration's name, or a YAML file.
-        runs: Folder for the training runs; `runs/<pool>` by default.
-        output: The pool's folder; `pools/<pool>` by default.
-        workers: Runs side by side.
-        layouts: Only these.
-        groups: Only these, by prefix.
-        limit: So many training runs at most.
-
-    Returns:
-        The exit code: 0 done, 1 a run failed, 2 wrong use.
-
-    Raises:
-        KeyboardInterrupt: Stopped by Ctrl-C; all runs are saved.
-    """
-    try:
-        config = load_pool_config(source)
-        home, pool = Path(runs or f"runs/{config.name}"), Path(output or f"pools/{config.name}")
-        wanted = _select(config, missing(config, pool), layouts, groups)
-        with _Display(len(wanted)) as display:
-            result = build(wanted[:limit], home, pool, workers, display)
-    except (PoolConfigError, PoolBuildError, PoolError) as error:
-        print(f"overcooked-bench pool build: {error}", file=sys.stderr)
-        return 2
-    if result.stopped:
-        raise KeyboardInterrupt
-    for name in result.failed:
-        print(f"failed: {name}; see {home / name / LOG}", file=sys.stderr)
-    left = len(wanted) - len(result.finished)
-    print(f"{pool}: {'complete' if not left else f'{left} runs are missing'}" + _selected(layouts, groups))
-    return _FAILED if result.failed else 0
+    def after(self, before: "Result") -> "Result":
+        """Returns what became of these runs and of those before them."""
+        return Result(
+            [*before.finished, *self.finished],
+            [*before.failed, *self.failed],
+            [*before.taken, *self.taken],
+            self.stopped,
+        )
 
 
 def build(
@@ -97,7 +62,7 @@ def build(
     home: Path,
     pool: Path,
     workers: int,
-    display: "_Display | None" = None,
+    display: "Display | None" = None,
     every: int = 250_000,
 ) -> Result:
     """Trains runs side by side and puts each into the pool when it has ended.
@@ -112,7 +77,7 @@ def build(
     """
     result, left = Result(), deque(wanted)
     running: dict[Any, tuple[Run, SpawnProcess]] = {}
-    shown = display or _Display(0)
+    shown = display or Display(0)
     while running or (left and not result.stopped):
         try:
             while left and len(running) < workers and not result.stopped:
@@ -190,26 +155,6 @@ def _stop(processes: Sequence[SpawnProcess], at_once: bool) -> None:
                 os.kill(process.pid, signal.SIGINT)
 
 
-def _select(
-    config: PoolConfig, runs: list[Run], layouts: Sequence[str] | None, groups: Sequence[str] | None
-) -> list[Run]:
-    prefixes = [group.prefix for group in config.groups]
-    for what, given, known in (("layout", layouts, config.layouts), ("group", groups, prefixes)):
-        strange = sorted(set(given or ()) - set(known))
-        if strange:
-            raise PoolConfigError(f"pool {config.name} has no {what} {strange[0]!r}; it has {', '.join(known)}")
-    return [
-        run
-        for run in runs
-        if (layouts is None or run.layout in layouts) and (groups is None or run.group.prefix in groups)
-    ]
-
-
-def _selected(layouts: Sequence[str] | None, groups: Sequence[str] | None) -> str:
-    chosen = ", ".join([*(layouts or ()), *(groups or ())])
-    return f" ({chosen})" if chosen else ""
-
-
 def _last_line(log: Path) -> str:
     try:
         with log.open("rb") as file:
@@ -220,7 +165,7 @@ def _last_line(log: Path) -> str:
     return lines[-1].strip() if lines else ""
 
 
-class _Display(AbstractContextManager["_Display"]):
+class Display(AbstractContextManager["Display"]):
     """How far the queue is: on a terminal what runs, elsewhere a line for each finished agent.
 
     Args:
@@ -235,7 +180,7 @@ class _Display(AbstractContextManager["_Display"]):
         self._console = Console(stderr=True)
         self._live = Live(console=self._console, auto_refresh=False, transient=True)
 
-    def __enter__(self) -> "_Display":
+    def __enter__(self) -> "Display":
         if self._console.is_terminal:
             self._live.start()
         return self

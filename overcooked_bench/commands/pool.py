@@ -44,10 +44,13 @@ def _add_build(commands: Any) -> None:
         "--groups", metavar="A,B", type=names, help="only these groups of the configuration, by their key `prefix`"
     )
     parser.add_argument("--limit", metavar="N", type=whole(1), help="stop after N training runs")
+    parser.add_argument(
+        "--salt", metavar="TEXT", default="", help="enters all seeds: another pool of the same recipe; see v1-twin"
+    )
 
 
 def _build(options: argparse.Namespace) -> int:
-    from overcooked_bench.baselines.building.queue import main
+    from overcooked_bench.baselines.building.command import main
     from overcooked_bench.evaluation.games.engines import default_workers
 
     code: int = main(
@@ -58,6 +61,7 @@ def _build(options: argparse.Namespace) -> int:
         layouts=options.layouts,
         groups=options.groups,
         limit=options.limit,
+        salt=options.salt,
     )
     return code
 

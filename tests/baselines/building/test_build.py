@@ -12,10 +12,11 @@ import pytest
 from overcooked_bench.agents.pools.manifest import write_manifest
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.pools.records import ScriptedReference
+from overcooked_bench.baselines import self_play
 from overcooked_bench.baselines.building import build, queue
 from overcooked_bench.baselines.building.build import PoolBuildError, missing, publish, train_run
-from overcooked_bench.baselines.building.config import PoolConfigError
-from overcooked_bench.baselines.building.queue import main
+from overcooked_bench.baselines.building.command import main
+from overcooked_bench.baselines.building.config import PoolConfigError, load_pool_config
 from overcooked_bench.baselines.learning.people import people_behind
 from overcooked_bench.baselines.running import monitor
 from overcooked_bench.baselines.running.parts import checkpoints
@@ -209,6 +210,34 @@ def test_the_command_publishes_what_is_there(built, tmp_path, capsys, monkeypatc
     Ended.exitcode = 130
     with pytest.raises(KeyboardInterrupt):
         main(config, runs=where["runs"], output=str(tmp_path / "new"))
+
+
+def test_the_runs_of_another_salt_are_refused(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(queue, "start_process", lambda *_, name: pytest.fail("trained"))
+    config = write_config(tmp_path, group())
+    (run,) = load_pool_config(config, "one").runs()
+    where = {"runs": str(tmp_path / "runs"), "output": str(tmp_path / "pool")}
+    assert train_run(run, tmp_path / "runs" / run.path)
+    publish(run, tmp_path / "runs" / run.path, tmp_path / "pool")
+    assert main(str(config), **where, salt="one") == 0
+    assert main(str(config), **where, salt="two") == 2
+    told = capsys.readouterr()
+    assert told.out.endswith("complete\n")
+    assert (
+        "in the namespace 'tests of pools/one', not of 'tiny' in 'tests of pools/two'; give the same --salt" in told.err
+    )
+
+
+def test_the_stratum_is_the_configurations_and_the_codebase_the_methods(built, tmp_path, monkeypatch):
+    (run,) = pool_config(tmp_path, group("other", first=1, stratum="own")).runs()
+    (entry,) = publish(run, built / "runs" / run.path, tmp_path / "pool")
+    assert (entry.stratum, entry.trained.stratum, entry.trained.codebase) == ("own", "self-play", None)
+    monkeypatch.setattr(self_play, "CODEBASE", "elsewhere", raising=False)
+    shutil.copytree(built / "runs" / run.path, tmp_path / "run")
+    (tmp_path / "run" / "agents.json").unlink()
+    assert train_run(run, tmp_path / "run")
+    (entry,) = publish(run, tmp_path / "run", tmp_path / "pool")
+    assert entry.trained.codebase == "elsewhere"
 
 
 @pytest.mark.parametrize(

@@ -56,6 +56,16 @@ def test_every_run_follows_from_the_file(tmp_path):
         ([group(by_layout={"kitchen": {}})], {}, "choose among"),
         ([group()], {"groups": []}, "give one at least"),
         ([group()], {"cooking": "slow"}, "Invalid enum value 'slow'"),
+        ([group(count={"cramped_room": -1})], {}, "no layout less than 0"),
+        ([group(count={"cramped_rom": 2})], {}, "choose among .*cramped_room"),
+        ([group(quota="x")], {}, "quotas has no 'x', which sp is a candidate for"),
+        ([group()], {"quotas": {"x": 1}}, "quotas has no '', which sp is a candidate for; it has x"),
+        ([group(quota="x")], {"quotas": {"x": 1, "y": 1}}, "quotas has y: 1"),
+        ([group(quota="x")], {"quotas": {"x": 0}}, "quotas has x: 0"),
+        ([group(quota="x")], {"quotas": {"x": 1}, "scripted": [{"name": "greedy"}]}, "'', which greedy is"),
+        ([group(quota="x", keep=["final", "early"], snapshots=[0.5])], {"quotas": {"x": 1}}, "one kind to candidates"),
+        ([group()], {"extends": "train-v2"}, "did you mean 'train-v1'"),
+        ([group()], {"extends": "v1-twin"}, "a configuration that extends no other one"),
     ],
     ids=[
         *(
@@ -74,6 +84,8 @@ def test_every_run_follows_from_the_file(tmp_path):
             "proxy-half",
         ),
         *("prefix", "seeds", "key", "layout", "no-layouts", "by-layout", "no-groups", "cooking"),
+        *("negative", "count-layout", "no-quotas", "no-quota", "nobody", "no-number", "script", "kinds"),
+        *("no-base", "twin-of-a-twin"),
     ],
 )
 def test_mistakes_are_told(tmp_path, groups, others, message):
@@ -111,6 +123,19 @@ def test_the_pools_are_as_large_as_they_should_be():
     }
     assert sizes["dev-v1"] == {"cramped_room": 10, "counter_circuit": 10}
     assert sizes["train-v1"] == {"cramped_room": 16, "counter_circuit": 16}
+
+
+def test_a_twin_has_the_recipe_and_none_of_the_seeds():
+    original, twin, other = load_pool_config("v1"), *(load_pool_config("v1-twin", salt) for salt in ("a", "b"))
+    assert (twin.name, twin.namespace, twin.trained) == ("v1-twin", "v1-twin/a", "v1-twin-candidates")
+    assert twin.quotas == original.quotas
+    runs = [config.runs() for config in (original, twin, other)]
+    for ours, theirs in zip(*runs[:2], strict=True):
+        assert (ours.path, ours.settings, ours.group) == (theirs.path, theirs.settings, theirs.group)
+    seeds = [{(run.layout, run.seed) for run in some} for some in runs]
+    assert len(seeds[0] | seeds[1] | seeds[2]) == 3 * len(runs[0])
+    with pytest.raises(PoolConfigError, match="the salt is 'a/b'"):
+        load_pool_config("v1-twin", "a/b")
 
 
 def test_the_first_pool_was_trained_with_what_its_configuration_says():
