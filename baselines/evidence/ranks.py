@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from overcooked_bench.estimate import Estimate, student
 
-FEWEST_FAMILIES: Final = 3
-"""Families that a draw needs at least, and that an interval needs at least."""
+FEWEST_FAMILIES: Final = 5
+"""With fewer families nothing can be said about others of their kind."""
 _DRAWS: Final = 2000
 
 
@@ -83,7 +83,7 @@ def correlation(layouts: Sequence[Ranked]) -> Correlation:
     if np.isnan(rho) or count < FEWEST_FAMILIES:
         return Correlation(Estimate(rho), entrants, count)
     counts = np.random.default_rng(0).multinomial(count, np.full(count, 1 / count), _DRAWS)
-    counts = counts[(counts > 0).sum(axis=1) >= FEWEST_FAMILIES]
+    counts = counts[(counts > 0).sum(axis=1) > 1]  # one family alone shows nothing between families
     drawn = _pooled(layouts, names, counts.astype(np.float64))
     drawn = _fisher(drawn[np.isfinite(drawn)])
     if len(drawn) < 2:

@@ -22,8 +22,8 @@ def test_it_is_scipys_correlation_of_entrants_repeated_as_often_as_they_were_dra
 
 
 def test_it_is_one_where_the_order_is_the_same_and_minus_one_where_it_is_reversed():
-    families = ["a", "a", "b", "b", "c", "c"]
-    rising = np.arange(6.0)
+    families = ["a", "a", "b", "b", "c", "d", "e"]
+    rising = np.arange(7.0)
     same = correlation([Ranked(families, rising, rising**3)]).rho
     assert (same.value, same.low > 0.9, same.high) == (pytest.approx(1), True, pytest.approx(1, abs=1e-2))
     assert correlation([Ranked(families, rising, -rising)]).rho.value == pytest.approx(-1)
@@ -38,7 +38,7 @@ def test_pooled_it_is_the_mean_over_layouts_by_their_entrants():
 
 def test_without_enough_entrants_or_families_less_is_said():
     rising = np.arange(4.0)
-    assert correlation([Ranked("aabb", rising, rising)]).rho.interval is None
+    assert correlation([Ranked("abcd", rising, rising)]).rho.interval is None
     assert np.isnan(correlation([Ranked("ab", rising[:2], rising[:2])]).rho.value)
     assert np.isnan(correlation([Ranked([], rising[:0], rising[:0])]).rho.value)
     assert np.isnan(correlation([Ranked("abcd", rising, np.ones(4))]).rho.value)
