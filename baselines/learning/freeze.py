@@ -1,13 +1,15 @@
 """Freezes a trained policy: writes its files and measures its returns."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Protocol, runtime_checkable
 
 import numpy as np
 import torch
 from stable_baselines3 import DQN, PPO
 from stable_baselines3.common.base_class import BaseAlgorithm
 
+from overcooked_bench.agents.policies.architecture import Architecture
 from overcooked_bench.agents.policies.neural import NeuralAgent
 from overcooked_bench.agents.policies.policy import ARCHITECTURES, PolicyFiles, load_policy, save_policy
 from overcooked_bench.evaluation.games.play import play_episodes
@@ -24,6 +26,14 @@ GREEDINESS: Final = 100.0
 """Values of actions, less their mean, become log-probabilities times this: sampling nearly always takes the best."""
 
 
+@runtime_checkable
+class Freezable(Protocol):
+    """A learner's policy that knows which architecture its actor has."""
+
+    def frozen(self, told: Mapping[str, Any]) -> tuple[Architecture, dict[str, torch.Tensor]]:
+        """Returns the frozen actor's description and tensors; `told` are the fields of every `Architecture`."""
+
+
 def freeze(stem: Path, model: BaseAlgorithm, settings: Settings) -> PolicyFiles:
     """Writes the actor of a learner, float16; of DQN its network of values, sharpened."""
     shape = model.observation_space.shape or ()
@@ -32,8 +42,10 @@ def freeze(stem: Path, model: BaseAlgorithm, settings: Settings) -> PolicyFiles:
         "observation_shape": shape,
         "layout": Layout.load(settings.layout).name,
         "cooking": settings.cooking,
-        "hidden": settings.hidden,
     }
+    if isinstance(model.policy, Freezable):
+        return save_policy(stem, *model.policy.frozen(told))
+    told["hidden"] = settings.hidden
     if settings.network == "mlp":
         told["activation"] = "tanh" if type(model) is PPO else "relu"
     else:

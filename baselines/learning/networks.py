@@ -58,6 +58,7 @@ class MlpTrunk(Trunk):
 
     def __init__(self, observation_space: spaces.Box, settings: Settings) -> None:
         super().__init__(observation_space, settings, settings.hidden[-1])
+        self.widths = settings.hidden
         self.layers = _dense((len(self.live), *settings.hidden))
 
     def features(self, seen: torch.Tensor) -> torch.Tensor:
@@ -69,7 +70,7 @@ class MlpTrunk(Trunk):
 
     def weights(self) -> dict[str, torch.Tensor]:
         """The first layer is spread over the whole observation again, with zeros where the trunk does not look."""
-        weights = _named("trunk", self.layers)
+        weights = named("trunk", self.layers)
         narrow = weights["trunk.0.weight"]  # (width, L)
         whole = narrow.new_zeros(len(narrow), self._observation_space_size())
         whole[:, self.live] = narrow
@@ -132,8 +133,8 @@ class CnnTrunk(Trunk):
 
     def weights(self) -> dict[str, torch.Tensor]:
         """Returns `conv.*`, `previous.*` and `trunk.*`."""
-        previous = {} if self.previous is None else _named("previous", [self.previous], numbered=False)
-        return {**_named("conv", (self.first, self.second, self.third)), **previous, **_named("trunk", self.layers)}
+        previous = {} if self.previous is None else named("previous", [self.previous], numbered=False)
+        return {**named("conv", (self.first, self.second, self.third)), **previous, **named("trunk", self.layers)}
 
     def _convolve(self, seen: torch.Tensor) -> torch.Tensor:
         """Returns the flattened output of the convolutions, (B, F H' W'), of single states (B, L)."""
@@ -176,7 +177,7 @@ class TrunkPolicy(ActorCriticPolicy):
         """Returns the actor's tensors under the names of its frozen architecture."""
         assert isinstance(self.action_net, torch.nn.Linear)
         assert self.action_net.out_features == NUM_ACTIONS
-        weights = self.features_extractor.weights() | _named("action", [self.action_net], numbered=False)
+        weights = self.features_extractor.weights() | named("action", [self.action_net], numbered=False)
         return {name: tensor.detach().cpu().clone() for name, tensor in weights.items()}
 
 
@@ -198,7 +199,8 @@ def _dense(widths: tuple[int, ...]) -> torch.nn.ModuleList:
     return torch.nn.ModuleList([torch.nn.Linear(a, b) for a, b in pairwise(widths)])
 
 
-def _named(name: str, layers: Any, numbered: bool = True) -> dict[str, torch.Tensor]:
+def named(name: str, layers: Any, numbered: bool = True) -> dict[str, torch.Tensor]:
+    """Returns the tensors of layers as `<name>.<i>.weight` and `.bias`, or without the number."""
     return {
         f"{name}{f'.{i}' if numbered else ''}.{part}": getattr(layer, part)
         for i, layer in enumerate(layers)

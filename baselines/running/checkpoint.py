@@ -47,6 +47,8 @@ def save_checkpoint(
     plain: dict[str, Any] = {}
     if isinstance(model, DQN):
         plain["dqn"] = _save_replay(model, arrays)
+    for name_of_state, state in _recurrent_states(model).items():
+        arrays[name_of_state] = state.cpu().numpy()
     content = {
         "format": FORMAT,
         "plain": json.dumps(
@@ -158,9 +160,17 @@ def _apply(content: dict[str, Any], plain: dict[str, Any], model: AnyLearner) ->
     model.ep_success_buffer = deque(maxlen=model._stats_window_size)
     if isinstance(model, DQN):
         _restore_replay(model, arrays, plain["dqn"])
+    for name_of_state, state in _recurrent_states(model).items():
+        state.copy_(torch.from_numpy(arrays[name_of_state]))
     torch.set_rng_state(content["torch_random"])
     name, position, has_gauss, gauss = plain["numpy"]
     np.random.set_state((name, arrays["numpy.keys"], position, has_gauss, gauss))  # noqa: NPY002
+
+
+def _recurrent_states(model: AnyLearner) -> dict[str, torch.Tensor]:
+    """Returns what the rows of sb3-contrib's recurrent learner remember, by names of our own; nothing of others."""
+    states = getattr(model, "_last_lstm_states", None) or ()
+    return {f"lstm.{i}": tensor for i, tensor in enumerate(tensor for pair in states for tensor in pair)}
 
 
 _REPLAY: Final = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")

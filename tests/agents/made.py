@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from overcooked_bench.agents.policies.lstm import Lstm
 from overcooked_bench.agents.policies.policy import Cnn, Mlp, Policy, PolicyFiles, load_policy, save_policy
 from overcooked_bench.agents.pools.records import Entry, Profile, ScriptedReference, SeatProfile, SelfPlay, Training
 
@@ -16,9 +17,14 @@ def small_cnn(observation="lossless", layout="cramped_room", shape=(22, 4, 5), *
     return Cnn(observation=observation, layout=layout, observation_shape=shape, **(settings | others))
 
 
-def random_weights(architecture, seed):
+def small_lstm(layout="cramped_room", shape=(22, 4, 5), **others):
+    settings = {"observation": "lossless", "cooking": "auto", "trunk": (6,), "units": 5, "head": (4,), **others}
+    return Lstm(layout=layout, observation_shape=shape, **settings)
+
+
+def random_weights(architecture, seed, scale=0.1):
     rng = np.random.default_rng(seed)
-    return {name: rng.normal(0, 0.1, shape) for name, shape in architecture.tensor_shapes().items()}
+    return {name: rng.normal(0, scale, shape) for name, shape in architecture.tensor_shapes().items()}
 
 
 def write_policy(stem, seed=0, **settings) -> PolicyFiles:

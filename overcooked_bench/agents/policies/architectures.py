@@ -1,7 +1,4 @@
-"""Networks of frozen policies: each is described by one JSON object and computes K policies at once.
-
-Inputs are the unscaled numbers of `Kitchens.observe`: nearly all channels hold zeros and ones, and the few that count
-(contents of pots, remaining cook time) are as small as in the reference encoding.
+"""The networks of frozen policies by name, and those without memory.
 
 Axes: K policies, R rows of each policy.
 """
@@ -10,77 +7,24 @@ from collections.abc import Mapping
 from math import prod
 from typing import TYPE_CHECKING, Final, Literal
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.kitchen.codes import NUM_ACTIONS
+from overcooked_bench.agents.policies.architecture import (
+    Architecture,
+    action_shapes,
+    check_widths,
+    dense_shapes,
+    layer,
+    narrowed_layer,
+)
+from overcooked_bench.agents.policies.lstm import Lstm
 
 if TYPE_CHECKING:
     import torch
 
-FORMAT: Final = 1
 CONVOLUTIONS: Final = ((5, 2), (3, 1), (3, 0))
 """Kernel size and padding of the convolutions of `Cnn`."""
-
-
-class Architecture(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="architecture"):
-    """Describes a policy; subclasses add their network.
-
-    Attributes:
-        observation: The policy's observation, a name of `kitchen.observations.registry.OBSERVATIONS`.
-        observation_shape: Shape of one such observation, channels first.
-        layout: The layout it was trained on, as `reset` names it.
-        cooking: The cooking mode it was trained under.
-        format: Version of this file format.
-    """
-
-    observation: str
-    observation_shape: tuple[int, ...]
-    layout: str
-    cooking: Literal["auto", "manual"]
-    format: int = FORMAT
-
-    def __post_init__(self) -> None:
-        """Checks the values.
-
-        Raises:
-            ValueError: Names the field.
-        """
-        if self.format != FORMAT:
-            raise ValueError(f"format is {self.format}; this version reads format {FORMAT}")
-        if not self.observation_shape or min(self.observation_shape) < 1:
-            raise ValueError(f"observation_shape is {list(self.observation_shape)}; give numbers from 1")
-
-    def tensor_shapes(self) -> dict[str, tuple[int, ...]]:
-        """Returns the shape of every tensor of the weights file."""
-        raise NotImplementedError
-
-    def forward(self, weights: "Mapping[str, torch.Tensor]", inputs: "torch.Tensor") -> "torch.Tensor":
-        """Computes K policies at once.
-
-        Args:
-            weights: By name, (K, *shape) float32.
-            inputs: (K, R, *observation_shape) float32, unscaled.
-
-        Returns:
-            (K, R, 6) float32, logits.
-        """
-        raise NotImplementedError
-
-    def narrowed(
-        self, weights: Mapping[str, NDArray[np.float32]]
-    ) -> tuple[Mapping[str, NDArray[np.float32]], NDArray[np.int64] | None]:
-        """Drops the inputs that no policy uses.
-
-        Args:
-            weights: By name, (K, *shape).
-
-        Returns:
-            Weights with which `forward` returns the same (K, R, 6) from inputs (K, R, L), and the indices (L,) of these
-            in the flattened observation; the unchanged weights and None if all inputs are needed.
-        """
-        return weights, None
 
 
 class Mlp(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="mlp"):
@@ -101,11 +45,11 @@ class Mlp(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
             ValueError: Names the field.
         """
         Architecture.__post_init__(self)
-        _check_hidden(self.hidden)
+        check_widths("hidden", self.hidden)
 
     def tensor_shapes(self) -> dict[str, tuple[int, ...]]:
         """Returns `trunk.<i>.weight` (out, in) and `trunk.<i>.bias` (out,) of each layer, then `action.*`."""
-        return _dense_shapes(prod(self.observation_shape), self.hidden)
+        return _trunk_shapes(prod(self.observation_shape), self.hidden)
 
     def forward(self, weights: "Mapping[str, torch.Tensor]", inputs: "torch.Tensor") -> "torch.Tensor":
         """Computes K policies at once; see `Architecture.forward`."""
@@ -114,18 +58,14 @@ class Mlp(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
         activation = torch.relu if self.activation == "relu" else torch.tanh
         values = inputs.flatten(2)
         for i in range(len(self.hidden)):
-            values = activation(_layer(weights, f"trunk.{i}", values))
-        return _layer(weights, "action", values)
+            values = activation(layer(weights, f"trunk.{i}", values))
+        return layer(weights, "action", values)
 
     def narrowed(
         self, weights: Mapping[str, NDArray[np.float32]]
     ) -> tuple[Mapping[str, NDArray[np.float32]], NDArray[np.int64] | None]:
         """Drops the inputs that the first layers of all policies multiply by 0, such as those that never change."""
-        first = weights["trunk.0.weight"]
-        live = np.flatnonzero(first.any((0, 1)))
-        if not 0 < len(live) < first.shape[2]:
-            return weights, None
-        return {**weights, "trunk.0.weight": first[:, :, live]}, live
+        return narrowed_layer(weights, "trunk.0.weight")
 
 
 class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="cnn"):
@@ -155,7 +95,7 @@ class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
             ValueError: Names the field.
         """
         Architecture.__post_init__(self)
-        _check_hidden(self.hidden)
+        check_widths("hidden", self.hidden)
         shape, stacked = self.observation_shape, len(self.observation_shape) == 4
         if len(shape) not in (3, 4) or min(shape[-2:]) < 3:
             raise ValueError(
@@ -182,7 +122,7 @@ class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
         if states:
             shapes |= {"previous.weight": (self.previous, flat), "previous.bias": (self.previous,)}
             joined = flat + (states[0] - 1) * self.previous
-        return shapes | _dense_shapes(joined, self.hidden)
+        return shapes | _trunk_shapes(joined, self.hidden)
 
     def forward(self, weights: "Mapping[str, torch.Tensor]", inputs: "torch.Tensor") -> "torch.Tensor":
         """Computes K policies at once; see `Architecture.forward`.
@@ -198,11 +138,11 @@ class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
         )
         if self.previous:
             states = values.view(policies, rows, self.observation_shape[0], -1)
-            older = leaky_relu(_layer(weights, "previous", states[:, :, 1:].flatten(1, 2)))
+            older = leaky_relu(layer(weights, "previous", states[:, :, 1:].flatten(1, 2)))
             values = torch.cat((states[:, :, 0], older.view(policies, rows, -1)), 2)
         for i in range(len(self.hidden)):
-            values = leaky_relu(_layer(weights, f"trunk.{i}", values))
-        return _layer(weights, "action", values)
+            values = leaky_relu(layer(weights, f"trunk.{i}", values))
+        return layer(weights, "action", values)
 
     def _convolve(self, weights: "Mapping[str, torch.Tensor]", inputs: "torch.Tensor") -> "torch.Tensor":
         """Returns one policy's flattened images: (R, *observation_shape) -> (R S, F H' W') with S states per row."""
@@ -214,24 +154,9 @@ class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
         return images.flatten(1)
 
 
-ARCHITECTURES: Final[dict[str, type[Architecture]]] = {"mlp": Mlp, "cnn": Cnn}
+ARCHITECTURES: Final[dict[str, type[Architecture]]] = {"mlp": Mlp, "cnn": Cnn, "lstm": Lstm}
 """The value of `architecture` in the JSON file -> its class."""
 
 
-def _check_hidden(hidden: tuple[int, ...]) -> None:
-    if not hidden or min(hidden) < 1:
-        raise ValueError(f"hidden is {list(hidden)}; give one width from 1 for each hidden layer")
-
-
-def _dense_shapes(inputs: int, hidden: tuple[int, ...]) -> dict[str, tuple[int, ...]]:
-    names = [*(f"trunk.{i}" for i in range(len(hidden))), "action"]
-    shapes: dict[str, tuple[int, ...]] = {}
-    for name, wide_in, wide_out in zip(names, (inputs, *hidden), (*hidden, NUM_ACTIONS), strict=True):
-        shapes[f"{name}.weight"], shapes[f"{name}.bias"] = (wide_out, wide_in), (wide_out,)
-    return shapes
-
-
-def _layer(weights: "Mapping[str, torch.Tensor]", name: str, values: "torch.Tensor") -> "torch.Tensor":
-    import torch
-
-    return torch.baddbmm(weights[f"{name}.bias"].unsqueeze(1), values, weights[f"{name}.weight"].transpose(1, 2))
+def _trunk_shapes(inputs: int, hidden: tuple[int, ...]) -> dict[str, tuple[int, ...]]:
+    return dense_shapes("trunk", inputs, hidden) | action_shapes(hidden[-1])

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from overcooked_bench.agents.agent import UnknownLayout
 from overcooked_bench.agents.draws import uniforms
-from overcooked_bench.agents.policies.architectures import Architecture
+from overcooked_bench.agents.policies.architecture import Architecture
 from overcooked_bench.agents.policies.neural import Mode, NeuralAgent, checked_index, checked_mode, dealt_rows
 from overcooked_bench.agents.policies.policy import Policy
 

@@ -93,7 +93,10 @@ class PolicyStack:
 
 
 class Assignment:
-    """A stack with its rows assigned; `PolicyStack.assign` makes it, once for many steps."""
+    """A stack with its rows assigned; `PolicyStack.assign` makes it, once for many steps.
+
+    Rows of policies with memory start an episode when they are assigned, and each `probabilities` is a step of it.
+    """
 
     def __init__(
         self,
@@ -113,12 +116,13 @@ class Assignment:
         self._dense = bool((self._slots == np.arange(len(position))).all()) and counts.min() == counts.max()
         seen = architecture.observation_shape if live is None else (len(live),)
         self._inputs = torch.zeros(*self._shape, *seen)  # places without a row stay 0
+        self._memory = torch.zeros(*self._shape, architecture.remembered) if architecture.remembered else None
 
     def probabilities(self, observations: NDArray[Any]) -> NDArray[np.float32]:
         """Computes each row's policy in one forward pass.
 
-        A row's result depends on its own observation and policy; it may differ in the last bits between batches of
-        different numbers of rows.
+        A row's result depends on its own observation and policy, and on its earlier observations where the policy has
+        memory; it may differ in the last bits between batches of different numbers of rows.
 
         Args:
             observations: (B, *observation_shape).
@@ -133,7 +137,10 @@ class Assignment:
         places = self._inputs.numpy().reshape(-1, *seen.shape[1:])
         places[slice(None) if self._dense else self._slots] = seen
         with torch.inference_mode():
-            logits = self._architecture.forward(self._weights, self._inputs)
+            if self._memory is None:
+                logits = self._architecture.forward(self._weights, self._inputs)
+            else:
+                logits, self._memory = self._architecture.advance(self._weights, self._inputs, self._memory)
             chances: NDArray[np.float32] = torch.softmax(logits, -1).flatten(0, 1).numpy()
         return chances if self._dense else chances[self._slots]
 

@@ -14,7 +14,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.agents.policies.architectures import ARCHITECTURES, Architecture, Cnn, Mlp
+from overcooked_bench.agents.policies.architecture import Architecture
+from overcooked_bench.agents.policies.architectures import ARCHITECTURES, Cnn, Mlp
 from overcooked_bench.documents import parse_json
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.files import FileError, read_regular, write_whole

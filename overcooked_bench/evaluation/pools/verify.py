@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from overcooked_bench.agents.entries import load_entry, shipped_entries
 from overcooked_bench.agents.policies.neural import PolicyStack
-from overcooked_bench.agents.policies.policy import PolicyError
+from overcooked_bench.agents.policies.policy import Policy, PolicyError
 from overcooked_bench.agents.pools.lineage import Finding, check_lineages, shared_people
 from overcooked_bench.agents.pools.manifest import PoolError, check_version, people_of, read_manifest
 from overcooked_bench.agents.pools.pool import Pool, find_pool, shipped_pools
@@ -115,12 +115,12 @@ def _compare(pool: Pool, layout: str, horizon: int) -> list[Finding]:
     names = [partner.name for partner in partners]
     policies = [pool.policy(layout, name) for name in names]
     who, seat = np.arange(len(names)), np.zeros(len(names), np.int64)
-    seen: dict[str, list[NDArray[np.uint8]]] = {policy.architecture.observation: [] for policy in policies}
+    onlookers = [_Onlooker(policy, 2 * len(names)) for policy in policies]
 
-    def look(kitchens: Kitchens, result: StepResult) -> None:
-        if kitchens.batch.clock[0] % _EVERY == 1:
-            for name, views in seen.items():
-                views.append(kitchens.observe(name).reshape(-1, *kitchens.observation_shape(name)))
+    def look(kitchens: Kitchens, result: StepResult | None = None) -> None:
+        compared = kitchens.batch.clock[0] % _EVERY == 1
+        for onlooker in onlookers:
+            onlooker.look(kitchens, compared)
 
     with one_thread():
         parties = [
@@ -130,19 +130,40 @@ def _compare(pool: Pool, layout: str, horizon: int) -> list[Finding]:
         kitchens = make_kitchens(layout, len(names), parties, cooking=pool.cooking, horizon=horizon)
         kitchens.reset(seed=np.array([stream_key("verify", p.sha256, "start") for p in partners], np.uint64))
         streams = [[stream_key("verify", p.sha256, k) for k in range(2)] for p in partners]
+        look(kitchens)
         play(kitchens, parties, np.array(streams, np.uint64), watch=look)
-        chances = [
-            PolicyStack([policy]).assign(np.zeros(len(views), np.int64)).probabilities(views)
-            for policy in policies
-            for views in [np.concatenate(seen[policy.architecture.observation])]
-        ]
     return [
         Finding(
             False,
             f"{layout}: {', '.join(names[i] for i in group)} are near-duplicates (within {SAME:g} in total variation)",
         )
-        for group in _alike(chances)
+        for group in _alike([np.concatenate(onlooker.chances) for onlooker in onlookers])
     ]
+
+
+class _Onlooker:
+    """What a policy would do on each seat of others' games; one with memory follows them from their start.
+
+    Args:
+        policy: The policy.
+        rows: Seats of all kitchens.
+
+    Attributes:
+        chances: (rows, 6) action probabilities at each step that is compared.
+    """
+
+    def __init__(self, policy: Policy, rows: int) -> None:
+        self.chances: list[NDArray[np.float32]] = []
+        self._architecture = policy.architecture
+        self._assignment = PolicyStack([policy]).assign(np.zeros(rows, np.int64))
+
+    def look(self, kitchens: Kitchens, compared: bool) -> None:
+        """Takes in what the kitchens show; a policy without memory need not see what is not compared."""
+        if compared or self._architecture.remembered:
+            views = kitchens.observe(self._architecture.observation)
+            chances = self._assignment.probabilities(views.reshape(-1, *self._architecture.observation_shape))
+            if compared:
+                self.chances.append(chances)
 
 
 def _alike(chances: list[NDArray[np.float32]]) -> list[list[int]]:

@@ -17,7 +17,7 @@ from overcooked_bench.kitchen.kitchens import Kitchens
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.observations.grid import Grid
 from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
-from tests.agents.made import random_weights, small_cnn, small_mlp
+from tests.agents.made import random_weights, small_cnn, small_lstm, small_mlp
 
 GRIDS = {
     "cramped_room": (4, 5),
@@ -188,8 +188,8 @@ def test_a_wrong_description_is_refused(tmp_path, observation, change, message):
 
 @pytest.mark.parametrize(
     "architecture",
-    [small_mlp(), small_cnn("stack_states", "cramped_room", (4, 22, 4, 5))],
-    ids=["mlp", "cnn"],
+    [small_mlp(), small_cnn("stack_states", "cramped_room", (4, 22, 4, 5)), small_lstm()],
+    ids=["mlp", "cnn", "lstm"],
 )
 def test_an_architecture_is_a_value(architecture):
     encoded = msgspec.json.encode(architecture)

@@ -6,7 +6,7 @@ from overcooked_bench.agents.pools.manifest import PoolError, write_manifest
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.evaluation.pools.profile import measure
 from overcooked_bench.evaluation.pools.verify import verify_pool
-from tests.agents.made import random_weights, record, scripted, small_mlp, write_policy
+from tests.agents.made import random_weights, record, scripted, small_lstm, small_mlp, write_policy
 
 LAYOUT = "cramped_room"
 
@@ -94,3 +94,17 @@ def test_policies_are_stored_in_float16(tmp_path):
     files = write_policy(tmp_path / "policy")
     count = sum(weights.size for weights in load_policy(files.weights).weights.values())
     assert 2 * count < files.weights.stat().st_size < 2 * count + 1000
+
+
+def test_agents_with_memory_are_compared_over_whole_games(tmp_path):
+    architecture = small_lstm()
+    weights = random_weights(architecture, 0, 0.7)
+    for name in ("sp-0", "sp-1"):
+        save_policy(tmp_path / LAYOUT / name, architecture, weights)
+        weights["lstm.memory.weight"][0, 0] += 1e-3
+    weights["lstm.memory.weight"] *= -1
+    save_policy(tmp_path / LAYOUT / "sp-2", architecture, weights)
+    verdict = verify_pool(pool_of(tmp_path, {}, {}, {}, {}), horizon=30)
+    assert (verdict.sound, verdict.agents) == (True, 4)
+    (finding,) = verdict.findings
+    assert "sp-0, sp-1 are near-duplicates" in finding.text
