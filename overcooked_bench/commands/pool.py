@@ -10,6 +10,7 @@ from overcooked_bench.commands.common import (
     add_json,
     add_layouts,
     add_output,
+    add_seed,
     add_workers,
     console,
     names,
@@ -23,7 +24,7 @@ def add_pool(commands: Any) -> None:
     inner = add_group(
         commands, "pool", "build, show and verify sets of frozen agents", "overcooked-bench pool show dev-v0"
     )
-    for add in (_add_build, _add_show, _add_verify):
+    for add in (_add_build, _add_show, _add_verify, _add_oracle):
         add(inner)
 
 
@@ -134,6 +135,53 @@ def _verify(options: argparse.Namespace) -> int:
         which = f"{verdict.pool.name} ({verdict.pool.hash[:8]})" if verdict.pool else options.pool
         print(f"{which}: {'sound' if verdict.sound else 'not sound'}, {verdict.agents} agents played")
     return 0 if verdict.sound else 1
+
+
+def _add_oracle(commands: Any) -> None:
+    parser = add_command(
+        commands,
+        "oracle",
+        _oracle,
+        "play the best known responder of each partner and side with it, as an agent would that knows whom it meets",
+        "overcooked-bench pool oracle v1 --layouts cramped_room",
+    )
+    parser.add_argument("pool", metavar="POOL", help="a shipped pool's name, or a folder; its bounds were measured")
+    add_layouts(parser)
+    parser.add_argument(
+        "--episodes", metavar="N", type=whole(2), default=100, help="episodes per partner and seat (default: 100)"
+    )
+    add_workers(parser)
+    add_seed(parser, "seed of the start states and random streams")
+    add_json(parser)
+
+
+def _oracle(options: argparse.Namespace) -> int:
+    from overcooked_bench.agents.pools.pool import Pool
+    from overcooked_bench.evaluation.games.engines import default_workers
+    from overcooked_bench.evaluation.pools.oracle import oracle_score, play_oracle
+    from overcooked_bench.evaluation.shown.pool_tables import oracle_table
+
+    pool = Pool.load(options.pool)
+    found = {}
+    for layout in chosen_layouts(pool, options.layouts):
+        with ProgressBar(layout) as tell:
+            found[layout] = play_oracle(
+                *(pool, layout, options.episodes, options.seed, options.workers or default_workers()),
+                on_progress=lambda done, of, layout=layout: tell(layout, done, of),  # type: ignore[misc]
+            )
+    if options.json:
+        print_json(
+            {
+                layout: {"normalised": oracle_score(rows), "partners": [row._asdict() for row in rows]}
+                for layout, rows in found.items()
+            }
+        )
+    else:
+        console().print(oracle_table(found).terminal())
+        print(
+            f"{pool.name} ({pool.hash[:8]}): about 1 by construction; how far from 1 is noise of episodes and ceilings"
+        )
+    return 0
 
 
 def chosen_layouts(pool: Any, wanted: list[str] | None) -> tuple[str, ...]:

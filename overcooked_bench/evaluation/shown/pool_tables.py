@@ -1,6 +1,6 @@
 """Pools and cross-play as tables for the terminal."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from overcooked_bench.agents.pools.manifest import people_of, policies
@@ -8,6 +8,7 @@ from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.pools.records import Entry, Profile, SeatProfile
 from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.pools.crossplay import CrossPlay
+from overcooked_bench.evaluation.pools.oracle import OracleRow, oracle_score
 from overcooked_bench.rendering.table import Column, Table
 
 if TYPE_CHECKING:
@@ -87,3 +88,12 @@ def _profile(profile: Profile) -> list[str]:
 def _deed(seat: SeatProfile, name: str) -> float:
     value: float = getattr(seat, name)
     return value
+
+
+def oracle_table(found: Mapping[str, Sequence[OracleRow]]) -> Table:
+    """Lays out what the oracle reached: one row per layout, with its partners' least and greatest score."""
+    rows = []
+    for layout, met in found.items():
+        each = [row.normalised for row in met]
+        rows.append([layout, oracle_score(met).text(3), f"{min(each):.2f}", f"{max(each):.2f}", str(len(each))])
+    return Table(["layout", "normalised [95 %]", "least", "most", "partners x sides"], rows)
