@@ -40,8 +40,9 @@ def components(returns: ArrayLike, sides: ArrayLike, recipes: Sequence[str]) -> 
         recipes: A, equal for entrants that differ in their training seed alone.
 
     Returns:
-        By the names of `COMPONENTS`, in squared points; NaN where the data cannot show one: side where there is one
-        side, training seed where no recipe has two entrants, recipe where there is one.
+        By the names of `COMPONENTS`, in squared points; NaN where the data cannot show one, which is then part of the
+        noise: side where there is one side, seat where episodes are too few to have both seats on a side repeatedly,
+        training seed where no recipe has two entrants, recipe where there is one.
 
     Raises:
         ValueError: Fewer than two episodes, or entrants that did not get the same starts.
@@ -122,7 +123,7 @@ def _within(y: NDArray[np.float64], side: NDArray[np.int64], seats: int) -> dict
     other = np.broadcast_to(episode[:, None] != episode[None, :], own.shape)
     same_seat = np.broadcast_to(seat[:, None] == seat[None, :], own.shape)
     same_side = side[:, :, None] == side[:, None, :]
-    found = _sides_and_seats(own / agents, other, same_side, same_seat)
+    found = _sides_and_seats(own / agents, other, side, same_seat)
     again = other & same_side & same_seat
     count = again.sum(axis=2)
     known = count > 0
@@ -131,29 +132,31 @@ def _within(y: NDArray[np.float64], side: NDArray[np.int64], seats: int) -> dict
 
 
 def _sides_and_seats(
-    products: NDArray[np.float64], used: NDArray[np.bool_], same_side: NDArray[np.bool_], same_seat: NDArray[np.bool_]
+    products: NDArray[np.float64], used: NDArray[np.bool_], side: NDArray[np.int64], same_seat: NDArray[np.bool_]
 ) -> dict[str, float]:
-    """Fits mean products of two episodes to whether they share their side and seat, within each partner.
+    """Fits products of two episodes to whether they share their seat, and then to whether they share their side.
 
-    An effect of two levels adds its variance to products that share it, and takes it from those that do not. Where
-    side and seat are one, all is the side's.
+    An effect of two levels adds its variance to products that share it, and takes it from those that do not. Products
+    are compared within a partner and, for the seat, within a pair of sides, because partners differ by far more.
 
     Args:
         products: (P, I, I).
         used: (P, I, I), pairs of different episodes.
-        same_side: (P, I, I).
+        side: (P, I).
         same_seat: (P, I, I).
     """
-    size = used.sum(axis=(1, 2), keepdims=True)
-    columns = []
-    for values in (products, np.where(same_side, 1.0, -1.0), np.where(same_seat, 1.0, -1.0)):
-        columns.append((values - (values * used).sum(axis=(1, 2), keepdims=True) / size)[used])
-    y, side, seat = columns
-    if not side.any() and not seat.any():
-        return {"side": np.nan, "seat": np.nan}
-    if not side.any():
-        return {"side": np.nan, "seat": float(seat @ y / (seat @ seat))}
-    if not seat.any() or np.allclose(side, seat):
-        return {"side": float(side @ y / (side @ side)), "seat": np.nan}
-    fitted = np.linalg.lstsq(np.stack([side, seat], axis=1), y, rcond=None)[0]
-    return {"side": float(fitted[0]), "seat": float(fitted[1])}
+    partner = np.broadcast_to(np.arange(len(side))[:, None, None], used.shape)[used]
+    first, second = (np.broadcast_to(part, used.shape)[used] for part in (side[:, :, None], side[:, None, :]))
+    sides = int(side.max()) + 1
+    y, by_seat = products[used], np.where(same_seat, 1.0, -1.0)[used]
+    seat = _slope(y, by_seat, (partner * sides + first) * sides + second)
+    rest = y - (0.0 if np.isnan(seat) else seat) * by_seat
+    return {"side": _slope(rest, np.where(first == second, 1.0, -1.0), partner), "seat": seat}
+
+
+def _slope(y: NDArray[np.float64], x: NDArray[np.float64], group: NDArray[np.int64]) -> float:
+    """Fits y to x by least squares within groups; NaN if x varies in none of them."""
+    size = np.maximum(1, np.bincount(group))
+    y, x = (values - (np.bincount(group, values) / size)[group] for values in (y, x))
+    spread = float(x @ x)
+    return float(x @ y) / spread if spread > 1e-9 else np.nan

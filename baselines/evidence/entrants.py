@@ -23,6 +23,11 @@ def partners_of(pool: Pool, layout: str) -> list[Player]:
     return sorted(players, key=lambda player: (player.entry.stratum, player.entry.name))
 
 
+def scripted_players(layout: str) -> list[Player]:
+    """Lists the scripted agents on a layout, floors included."""
+    return [Player.scripted(name, layout) for name in SCRIPTED]
+
+
 def recipe(player: Player) -> str:
     """Names how an entrant was made: equal for those that differ in their training seed alone."""
     entry = player.entry
@@ -79,15 +84,16 @@ def choose_entrants(layout: str, sources: Sequence[Pool], partners: Collection[E
 
     All agents of the sources and all scripted agents are candidates, except floors, untrained agents, and those of a
     partner's lineage, weights or script, or trained with one. Families choose in turn, the smallest first, up to
-    `MOST_OF_A_FAMILY` in the order of the agents' hashes; a lineage enters through one family only.
+    `MOST_OF_A_FAMILY` in the order of the sources and of the agents' hashes; a lineage enters through one family only.
 
     Args:
         layout: Where.
-        sources: Pools.
+        sources: Pools; first those whose agents are tied to the fewest of the other scores' partners.
         partners: The pool's that the entrants are scored with.
     """
-    candidates = [player for pool in sources for player in partners_of(pool, layout)]
-    candidates += [Player.scripted(name, layout) for name in SCRIPTED if name not in _FLOORS]
+    by_hash = [sorted(partners_of(pool, layout), key=lambda player: player.sha256) for pool in sources]
+    candidates = [player for players in by_hash for player in players]
+    candidates += [player for player in scripted_players(layout) if player.entry.name not in _FLOORS]
     families: dict[str, dict[str, Player]] = defaultdict(dict)
     for player in candidates:
         training = player.entry.training
@@ -97,7 +103,7 @@ def choose_entrants(layout: str, sources: Sequence[Pool], partners: Collection[E
     taken: dict[str, str] = {}
     for name, members in sorted(families.items(), key=lambda item: (len(item[1]), item[0])):
         count = 0
-        for _, player in sorted(members.items()):
+        for player in members.values():
             if count < MOST_OF_A_FAMILY and taken.setdefault(player.entry.lineage, name) == name:
                 chosen.append(player)
                 count += 1

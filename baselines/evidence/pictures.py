@@ -132,10 +132,6 @@ def _figure(width: float, height: float) -> "Figure":
 
 
 def _png(figure: "Figure") -> bytes:
-    from PIL import Image
-
-    drawn, small = BytesIO(), BytesIO()
-    figure.savefig(drawn, format="png", metadata={"Software": None})
-    drawn.seek(0)
-    Image.open(drawn).convert("RGB").quantize(96).save(small, "PNG", optimize=True)
-    return small.getvalue()
+    drawn = BytesIO()
+    figure.savefig(drawn, format="png", metadata={"Software": None}, pil_kwargs={"optimize": True})
+    return drawn.getvalue()

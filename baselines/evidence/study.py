@@ -15,15 +15,15 @@ from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.pools.records import Entry
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.evaluation.pools.matrix import agreement
-from overcooked_bench.evaluation.pools.normalised import normalised, partner_shares, side_means, weighted_mean
+from overcooked_bench.evaluation.pools.normalised import partner_shares
 from overcooked_bench.evaluation.pools.pairs import Played
-from overcooked_bench.evaluation.pools.players import Player
 from overcooked_bench.evaluation.pools.similarity import effective_number, similarity
 
 from .components import components, shares
 from .entrants import choose_entrants, family, partners_of, recipe
+from .entries import score_entries
 from .played import PlayedPairs
-from .records import EntrantRecord, EntryRecord, Evidence, LayoutRecord, PartnerRecord, PoolRecord
+from .records import EntrantRecord, Evidence, LayoutRecord, PartnerRecord, PoolRecord
 from .scores import Cast, Meetings, Scores, all_scores
 from .validity import correlations, reliabilities
 
@@ -48,6 +48,12 @@ class Given:
     others: Mapping[str, Pool]
     sources: Sequence[Pool]
     entries: Mapping[str, Pool]
+
+    @property
+    def known(self) -> tuple[Pool, ...]:
+        """All pools."""
+        twin = () if self.twin is None else (self.twin,)
+        return self.pool, *twin, *self.others.values(), *self.sources, *self.entries.values()
 
 
 def evidence(given: Given, layouts: Sequence[str], played: PlayedPairs) -> Evidence:
@@ -122,7 +128,7 @@ def _layout(given: Given, layout: str, played: PlayedPairs) -> tuple[LayoutRecor
         variance_points=variance_points,
         reliability=reliabilities(*halves) if len(halves) == 2 else {},
         correlations=tuple(correlations([(families, scores)], strata)),
-        entries=tuple(_entries(given, layout, pool, twin, played)),
+        entries=tuple(score_entries(layout, given.entries, (pool, twin), given.known, played)),
     )
     return record, families, scores
 
@@ -187,33 +193,6 @@ def _entrants(cast: Cast, families: Sequence[str], scores: Scores) -> list[Entra
         )
         for index, player in enumerate(cast.entrants)
     ]
-
-
-def _entries(
-    given: Given, layout: str, pool: Sequence[Player], twin: Sequence[Player], played: PlayedPairs
-) -> list[EntryRecord]:
-    """Scores the entries; a pool's partner that is the entry itself, such as `greedy`, is left out of its score."""
-    entries = {"greedy": [Player.scripted("greedy", layout)]}
-    entries |= {name: partners_of(runs, layout) for name, runs in given.entries.items()}
-    found = []
-    for name, runs in entries.items():
-        if runs:
-            values = [
-                None if not partners else float(np.mean([_entry(layout, run, partners, played) for run in runs]))
-                for partners in (pool, twin)
-            ]
-            assert values[0] is not None
-            found.append(EntryRecord(name=name, runs=len(runs), pool=values[0], twin=values[1]))
-    return found
-
-
-def _entry(layout: str, run: Player, partners: Sequence[Player], played: PlayedPairs) -> float:
-    met = played.matrix(layout, [run], partners)
-    entries = [player.entry for player in partners]
-    used = [index for index, entry in enumerate(entries) if entry.sha256 != run.sha256]
-    kept = [entries[index] for index in used]
-    values = normalised(side_means(met.returns[:, used], met.sides[:, used]), kept)
-    return float(weighted_mean(values, partner_shares(kept))[0])
 
 
 def _pool(pool: Pool) -> PoolRecord:

@@ -8,6 +8,7 @@ from overcooked_bench.rendering.table import Table
 
 from .components import COMPONENTS
 from .entrants import MOST_OF_A_FAMILY
+from .entries import GREEDY, ORACLE
 from .records import Evidence, LayoutRecord
 from .scores import TWIN, WHOLE
 from .tables import (
@@ -85,7 +86,9 @@ episodes with the same partners would give the same order."""
 
 _ENTRIES: Final = """## Entries
 
-N of what anybody would try first; means over training runs. A partner that is the entry itself is left out."""
+N of what anybody would try first; means over training runs. A partner that is the entry itself is left out. `oracle`
+meets each partner, from each side, as the best known responder to it: it is 1 but for the noise of episodes and
+ceilings."""
 
 
 def written(found: Evidence) -> str:
@@ -150,8 +153,11 @@ def _verdict(found: Evidence) -> list[str]:
 def _missing(found: Evidence) -> list[str]:
     """Says what the page does not have."""
     lines = [] if found.twin else ["Missing: no twin was given, so there is no (a) and no score with it."]
-    if len(found.layouts[0].entries) == 1:
-        lines.append("Missing: no entries are shipped, so the last table has `greedy` alone.")
+    entries = {entry.name for layout in found.layouts for entry in layout.entries}
+    if not entries - {GREEDY, ORACLE}:
+        lines.append("Missing: no entries were given, so the last table has only what is not trained.")
+    if ORACLE not in entries:
+        lines.append("Missing: the oracle; some best known responders are in none of the pools that were given.")
     least, families = FEWEST
     few = [layout.layout for layout in found.layouts if not _enough(layout)]
     if few:

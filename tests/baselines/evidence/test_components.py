@@ -38,7 +38,7 @@ def simulated(rng, recipes=8, seeds=5, partners=25, episodes=4, sided=True, true
     return y, np.broadcast_to(side, y.shape), [f"recipe {index}" for index in recipe]
 
 
-@pytest.mark.parametrize("episodes", [2, 4])
+@pytest.mark.parametrize("episodes", [4, 6])
 def test_every_component_of_a_simulation_is_found_again(episodes):
     rng = np.random.default_rng(3)
     found = [components(*simulated(rng, episodes=episodes)) for _ in range(60)]
@@ -47,6 +47,15 @@ def test_every_component_of_a_simulation_is_found_again(episodes):
         error = values.std(ddof=1) / len(values) ** 0.5
         assert abs(values.mean() - TRUE[name]) < 4 * error, name
         assert error < 0.1 * TRUE[name] + 3, name  # narrow enough to say something
+
+
+def test_two_episodes_leave_the_seat_of_a_floor_with_two_sides_in_the_noise():
+    rng = np.random.default_rng(7)
+    found = [components(*simulated(rng, episodes=2)) for _ in range(30)]
+    assert all(np.isnan(one["seat"]) for one in found)
+    assert np.mean([one["side"] for one in found]) == pytest.approx(200, abs=30)
+    assert np.mean([one["noise"] for one in found]) == pytest.approx(170, abs=30)
+    assert components(*simulated(rng, episodes=2, sided=False))["seat"] == pytest.approx(50, abs=15)
 
 
 def test_an_effect_that_is_absent_is_about_zero():

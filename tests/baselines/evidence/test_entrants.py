@@ -35,7 +35,7 @@ def test_an_entrant_is_tied_by_lineage_weights_training_partners_and_people():
 
 def test_chosen_entrants_have_no_tie_to_the_pool_and_no_lineage_in_two_families():
     pools = [Pool.load(name) for name in ("train-v1", "dev-v1", "dev-v0", "human-train")]
-    partners = of("dev-v1")
+    partners = [*of("human-test"), *(entry for entry in of("dev-v1") if entry.name == "greedy")]
     chosen = choose_entrants(LAYOUT, pools, partners)
     assert not any(tied(player.entry, partners) for player in chosen)
     families = {}
@@ -46,6 +46,7 @@ def test_chosen_entrants_have_no_tie_to_the_pool_and_no_lineage_in_two_families(
     counts = {name: sum(family(player) == name for player in chosen) for name in families.values()}
     assert counts["self-play fast"] == counts["self-play fast, half-trained"] == MOST_OF_A_FAMILY
     assert counts["self-play of dev-v0"] == 4
+    assert {player.pool.name for player in chosen if family(player) == "self-play fast"} == {"train-v1"}
     assert counts["human proxies"] == 6
 
 
