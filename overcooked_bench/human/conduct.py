@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.estimate import Estimate, ratio_interval
-from overcooked_bench.human.counts import DEEDS, Counts, count
 from overcooked_bench.human.game import Game
-from overcooked_bench.human.ring import find_middle
 from overcooked_bench.human.tracks import follow
 from overcooked_bench.kitchen.codes import STAY, Position
 from overcooked_bench.kitchen.layout import Layout, layout_names
+from overcooked_bench.kitchen.tracks.counts import DEEDS, Counts, count
+from overcooked_bench.kitchen.tracks.ring import find_middle
 
 PER = 400
 """Steps that events are counted per: the length of an episode."""

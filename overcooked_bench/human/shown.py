@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Final
 
 from overcooked_bench.estimate import Estimate
 from overcooked_bench.human.conduct import PER, Conduct
-from overcooked_bench.human.ring import STRETCH
 from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.tracks.ring import STRETCH
 from overcooked_bench.rendering.table import Column, Table
 
 if TYPE_CHECKING:

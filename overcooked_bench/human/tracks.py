@@ -1,36 +1,15 @@
-"""`Track`: what happened in one recorded game, step by step, as arrays.
-
-Axes: T steps.
-"""
+"""What happened in recorded games, step by step, as arrays."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any, Final, NamedTuple
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overcooked_bench.human.game import Game
 from overcooked_bench.human.replay import replay
+from overcooked_bench.kitchen.tracks.track import Track
 
 _MOST_GAMES: Final = 512  # whose arrays are in memory together
-
-
-class Track(NamedTuple):
-    """What happened in one game of T steps; cells are numbered in row-major order.
-
-    Attributes:
-        cells: (T + 1, 2) the cell of each chef before each step, and after the last one.
-        facing: (T + 1, 2) the direction of each chef then.
-        actions: (T, 2) actions.
-        taken: (T, 2) uint16, `StepResult.actions_taken`.
-        points: (2,) points of the soups that each chef delivered.
-    """
-
-    cells: NDArray[Any]
-    facing: NDArray[Any]
-    actions: NDArray[Any]
-    taken: NDArray[np.uint16]
-    points: NDArray[np.float64]
 
 
 def follow(games: Sequence[Game]) -> Iterator[Track]:

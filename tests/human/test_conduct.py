@@ -10,7 +10,6 @@ from overcooked_bench import KitchenState
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.estimate import t_interval
 from overcooked_bench.human.conduct import conduct, conducts
-from overcooked_bench.human.counts import count
 from overcooked_bench.human.distances import hand_over_distance, visit_distance
 from overcooked_bench.human.game import Game
 from overcooked_bench.human.games import record
@@ -18,6 +17,7 @@ from overcooked_bench.human.tracks import follow
 from overcooked_bench.kitchen.codes import ACTION_LETTERS, PICKED_UP, PUT_DOWN
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.kitchen.state import Chef
+from overcooked_bench.kitchen.tracks.counts import count
 from tests.human.made import PEOPLE, agents_games, random_game
 from tests.kitchen.strategies import law
 

@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 from overcooked_bench.agents.pools.records import Entry, PolicyReference
 from overcooked_bench.agents.seated import Seated
 from overcooked_bench.agents.threads import one_thread
-from overcooked_bench.evaluation.games.play import make_kitchens, play
+from overcooked_bench.evaluation.games.episode import side_of
+from overcooked_bench.evaluation.games.play import Games, make_kitchens, play
 from overcooked_bench.evaluation.games.roster import pool_as_hashed, seat_policies, seat_scripted
 from overcooked_bench.evaluation.games.streams import stream_key
 from overcooked_bench.evaluation.pools.players import Player, common_cooking
 from overcooked_bench.kitchen.kitchens import Kitchens, StepResult
+from overcooked_bench.kitchen.layout import Layout
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.policies.policy import Policy
@@ -70,6 +72,11 @@ class Block(NamedTuple):
     def rows(self) -> int:
         """Kitchens."""
         return len(self.pairs) * self.episodes * 2
+
+    @property
+    def seats(self) -> NDArray[np.int64]:
+        """(rows,) the seat of each row's agent."""
+        return np.tile(np.arange(2), self.rows // 2)
 
 
 class Played(NamedTuple):
@@ -134,14 +141,8 @@ def _ends(partners: Sequence[int], most: int) -> list[int]:
     return ends
 
 
-def play_block(block: Block, watch: Callable[[Kitchens, StepResult], object] | None = None) -> tuple[int, Played]:
-    """Plays a block, from random starts.
-
-    Every agent meets a partner from the same start states, in each of them from both seats.
-
-    Args:
-        block: What to play.
-        watch: As for `play`; the rows are (pair, episode, seat) in row-major order.
+def play_block(block: Block) -> tuple[int, Played]:
+    """Plays a block.
 
     Returns:
         The block's `first`, and what came out.
@@ -149,12 +150,27 @@ def play_block(block: Block, watch: Callable[[Kitchens, StepResult], object] | N
     Raises:
         PoolError: A pool was changed while it was played.
     """
+    shape, layout = (len(block.pairs), block.episodes, 2), Layout.load(block.layout)
+    games = play_games(block)
+    sides = [side_of(layout, start, seat) for start, seat in zip(games.starts, block.seats.tolist(), strict=True)]
+    return block.first, Played(games.soup_reward.sum(axis=1).reshape(shape), np.reshape(sides, shape))
+
+
+def play_games(block: Block, watch: Callable[[Kitchens, StepResult], object] | None = None) -> Games:
+    """Plays the games of a block, from random starts.
+
+    Every agent meets a partner from the same start states, in each of them from both seats.
+
+    Args:
+        block: What to play.
+        watch: As for `play`; the rows are those of the block.
+
+    Raises:
+        PoolError: A pool was changed while it was played.
+    """
     shape = len(block.pairs), block.episodes, 2
-    pairs = np.array(block.pairs)
-    seats = np.tile(np.arange(2), shape[0] * shape[1])
     hashes = [one.entry.sha256 for one in block.cast]
-    starts = np.empty(shape, np.uint64)
-    streams = np.empty((*shape, 2), np.uint64)
+    starts, streams = np.empty(shape, np.uint64), np.empty((*shape, 2), np.uint64)
     for n, (agent, partner) in enumerate(block.pairs):
         for episode in range(block.episodes):
             starts[n, episode] = stream_key(block.purpose, block.seed, block.layout, hashes[partner], episode, "start")
@@ -163,15 +179,11 @@ def play_block(block: Block, watch: Callable[[Kitchens, StepResult], object] | N
                 streams[n, episode, seat, seat] = stream_key(*key, "agent")
                 streams[n, episode, seat, 1 - seat] = stream_key(*key, "partner")
     with one_thread():
-        who = np.repeat(pairs, shape[1] * 2, axis=0).T
-        parties = _seated(block, who, np.stack([seats, 1 - seats]))
+        who = np.repeat(np.array(block.pairs), shape[1] * 2, axis=0).T
+        parties = _seated(block, who, np.stack([block.seats, 1 - block.seats]))
         kitchens = make_kitchens(block.layout, block.rows, parties, cooking=block.cooking, horizon=block.horizon)
         kitchens.reset(seed=starts.ravel())
-        cells = kitchens.batch.position[np.arange(block.rows), seats].astype(np.int64)
-        games = play(kitchens, parties, streams.reshape(-1, 2), watch)
-    width, regions = kitchens.layout.width, kitchens.layout.regions
-    sides = np.array([regions[cell % width, cell // width] for cell in cells.tolist()])
-    return block.first, Played(games.soup_reward.sum(axis=1).reshape(shape), sides.reshape(shape))
+        return play(kitchens, parties, streams.reshape(-1, 2), watch)
 
 
 def _seated(block: Block, who: NDArray[np.int64], seats: NDArray[np.int64]) -> list[Seated]:

@@ -10,8 +10,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.human.ring import find_middle, laps
-from overcooked_bench.human.tracks import Track
 from overcooked_bench.kitchen.codes import (
     BLOCKED,
     DIRECTIONS,
@@ -32,6 +30,8 @@ from overcooked_bench.kitchen.codes import (
     item_of,
 )
 from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.tracks.ring import find_middle, laps
+from overcooked_bench.kitchen.tracks.track import Track
 
 DEEDS: Final = {
     "ingredients": (TOOK | TOOK_DISH, TOOK),

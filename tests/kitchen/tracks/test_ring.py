@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from overcooked_bench.human.ring import find_middle, laps
 from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.tracks.ring import find_middle, laps
 
 TWO_BLOCKS = """
 XXPXXXX

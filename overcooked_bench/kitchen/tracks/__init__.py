@@ -1,0 +1,1 @@
+"""What two chefs did in a game, as arrays and counts."""
