@@ -17,6 +17,7 @@ METHODS: Final[dict[str, str]] = {
     "population": "the thesis's method: agents trained one by one to differ from those before, then two final agents",
     "stock-ppo": "self-play by another trainer: stable-baselines3's PPO as it comes",
     "recurrent-ppo": "self-play by another trainer: sb3-contrib's RecurrentPPO, an actor with memory (LSTM)",
+    "jaxmarl-ippo": "self-play in JaxMARL's own kitchen by its IPPO (needs JaxMARL, which uv installs)",
     "human-proxy": "clones of people in recorded games, then PPO that pays for its divergence from the clone",
 }
 """Method -> what it trains. Its module in this package has the same name, with underscores."""

@@ -77,7 +77,16 @@ class Stays:
 
 
 def test_the_shipped_ones():
-    shown = {"lossless", "lossless26", "lossless_2019", "blind", "features", "stack_channels", "stack_states"}
+    shown = {
+        "lossless",
+        "lossless26",
+        "lossless_2019",
+        "blind",
+        "features",
+        "jaxmarl",
+        "stack_channels",
+        "stack_states",
+    }
     assert set(OBSERVATIONS) == shown
     assert all(name == observation.name for name, observation in OBSERVATIONS.items())
     assert history_for(["lossless", "stack_states", "state", ""]) == 3
