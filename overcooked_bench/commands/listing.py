@@ -96,7 +96,8 @@ def _pools() -> Iterator[Line]:
     for pool in _shipped():
         roles = [entry.role for layout in pool.layouts for entry in pool.partners(layout)]
         count = f"{roles.count('partner')} partners and {roles.count('floor')} floors"
-        yield _line(pool.name, f"{count} on {len(pool.layouts)} layouts, cooking {pool.cooking}")
+        state = "" if pool.frozen else ", release candidate"
+        yield _line(pool.name, f"{count} on {len(pool.layouts)} layouts, cooking {pool.cooking}{state}")
 
 
 def _protocols() -> Iterator[Line]:

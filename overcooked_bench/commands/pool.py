@@ -133,7 +133,8 @@ def _verify(options: argparse.Namespace) -> int:
         for other in verdict.strangers:
             print(f"shares no person with {other}")
         which = f"{verdict.pool.name} ({verdict.pool.hash[:8]})" if verdict.pool else options.pool
-        print(f"{which}: {'sound' if verdict.sound else 'not sound'}, {verdict.agents} agents played")
+        state = "" if verdict.pool is None or verdict.pool.frozen else "; a release candidate, which may still change"
+        print(f"{which}: {'sound' if verdict.sound else 'not sound'}, {verdict.agents} agents played{state}")
     return 0 if verdict.sound else 1
 
 

@@ -4,13 +4,14 @@ import re
 from collections.abc import Sequence
 from typing import Final, Literal
 
+from overcooked_bench.agents.pools.lineage import SET_A
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.files import shown
 from overcooked_bench.human.game import Game
 from overcooked_bench.kitchen.layout import CLASSIC
 
 PAIRS_2019: Final = tuple(f"2019-{pair:02d}" for pair in range(17))
-SETS: Final = {"A": PAIRS_2019[0::2], "B": PAIRS_2019[1::2]}
+SETS: Final = {"A": SET_A, "B": tuple(pair for pair in PAIRS_2019 if pair not in SET_A)}
 """Set A trains, for agents that are trained with people and for the human stratum of pools; set B only tests."""
 
 LAYOUTS_2019: Final = CLASSIC

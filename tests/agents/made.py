@@ -53,6 +53,7 @@ def record(name="sp-0", layout="cramped_room", **others):
         "self_play": SelfPlay(mean=200, low=190.5, high=210.0, episodes=100),
         "configuration": "fast",
         "checkpoint": 1,
+        "codebase": None,
         "profile": Profile(entropy=0.5, seats=(SEAT, SEAT)),
     }
     entry = {"reference": None, "role": "partner", "stratum": "self-play", "lineage": f"{layout}/{name}"}

@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from overcooked_bench.agents.pools.manifest import write_manifest
+from overcooked_bench.agents.pools.manifest import read_manifest, write_manifest
 from overcooked_bench.cli import main
 from tests.agents.made import record, write_policy
 
@@ -54,6 +54,15 @@ def test_verify_says_whether_a_pool_is_sound(home, capsys):
     assert "not sound" in told
     assert main(["pool", "verify", "mine", "--json"]) == 1
     assert json.loads(capsys.readouterr().out)["sound"] is False
+
+
+def test_a_release_candidate_is_called_one(home, capsys):
+    manifest = read_manifest(home / "mine")
+    write_manifest(home / "mine", "mine", manifest.entries, frozen=False)
+    assert main(["pool", "verify", "mine"]) == 0
+    assert said(capsys).endswith("sound, 3 agents played; a release candidate, which may still change\n")
+    assert main(["pool", "show", "mine"]) == 0
+    assert said(capsys).startswith(f"mine ({manifest.hash[:8]}, release candidate)")
 
 
 def test_crossplay_prints_a_table_and_writes_the_matrix(home, capsys):

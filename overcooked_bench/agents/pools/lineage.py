@@ -1,11 +1,14 @@
 """Checks from manifests alone that the agents of pools are independent of each other."""
 
 from collections import defaultdict
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
-from typing import NamedTuple, TypeVar
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Sequence
+from typing import Final, NamedTuple, TypeVar
 
 from overcooked_bench.agents.pools.manifest import people_of, policies
 from overcooked_bench.agents.pools.records import Entry, Manifest
+
+SET_A: Final = tuple(f"2019-{pair:02d}" for pair in range(0, 17, 2))
+"""The pairs of people of 2019 that several pools may have partners of: those that agents may be trained with."""
 
 Key = TypeVar("Key")
 
@@ -26,14 +29,16 @@ def check_lineages(manifest: Manifest, others: Sequence[Manifest] = ()) -> list[
     """Finds trained agents with undeclared ties.
 
     Within a pool, agents of one layout and lineage are checkpoints of one run, and agents of one seed are of one
-    lineage. Between pools nothing is shared: no seed, no lineage, no weights, and no person whose games agents were
-    made from; equal namespaces are a warning.
+    lineage; where partners have weights, a lineage has one partner on a layout. Between pools nothing is shared: no
+    seed, no lineage, no weights, and no person whose games agents were made from. Equal namespaces are a warning, and
+    so are people of set A: several pools have partners of them, with whom an agent that trained with one of these pools
+    is at home.
 
     Args:
         manifest: The pool.
         others: Pools that it must have nothing in common with.
     """
-    found = [*_one_run(manifest), *_one_seed(manifest)]
+    found = [*_one_run(manifest), *_one_seed(manifest), *_one_partner(manifest)]
     for other in others:
         found += _between(manifest, other)
     return found
@@ -42,6 +47,22 @@ def check_lineages(manifest: Manifest, others: Sequence[Manifest] = ()) -> list[
 def shared_people(manifest: Manifest, other: Manifest) -> tuple[str, ...]:
     """Lists the people whose games agents of both pools, or their training partners, were made from."""
     return tuple(sorted({*people_of(manifest)} & {*people_of(other)}))
+
+
+def at_home(codebase: str | None, people: Collection[str], partner: Entry) -> bool:
+    """Returns whether an agent is at home with a partner: what it reaches with it says little about strangers.
+
+    It is at home with agents of the code that trained it, and with people that it was trained with.
+
+    Args:
+        codebase: The project whose training code made the agent; None for this one, "" if nobody trained it.
+        people: Whose recorded games it was made from, or its training partners were.
+        partner: The partner.
+    """
+    if set(people) & set(partner.people or ()):
+        return True
+    training = partner.training
+    return training is not None and training.stratum != "human" and training.codebase == codebase
 
 
 def _one_run(manifest: Manifest) -> Iterator[Finding]:
@@ -66,6 +87,15 @@ def _one_seed(manifest: Manifest) -> Iterator[Finding]:
             yield Finding(True, f"{layout}: {_names(agents)} have the training seed {seed} and different lineages")
 
 
+def _one_partner(manifest: Manifest) -> Iterator[Finding]:
+    partners = [entry for entry in policies(manifest) if entry.role == "partner" and entry.weight is not None]
+    for (layout, lineage), agents in _grouped(partners, lambda a: (a.layout, a.lineage)):
+        if len(agents) > 1:
+            yield Finding(
+                True, f"{layout}: {_names(agents)} are of one lineage, {lineage!r}; a pool with weights has one of them"
+            )
+
+
 def _between(manifest: Manifest, other: Manifest) -> Iterator[Finding]:
     ours, theirs = policies(manifest), policies(other)
     keys: list[tuple[str, Callable[[Entry], Hashable]]] = [
@@ -80,13 +110,15 @@ def _between(manifest: Manifest, other: Manifest) -> Iterator[Finding]:
                 whose = next(them for them in theirs if key(them) == key(agent))
                 where = f"{other.name}/{whose.layout}/{whose.name}"
                 yield Finding(True, f"{agent.layout}/{agent.name} shares {what} with {where}")
-    if people := shared_people(manifest, other):
-        who = next(entry for entry in manifest.entries if set(people) & set(entry.people or ()))
-        yield Finding(
-            True,
-            f"agents such as {who.layout}/{who.name} were made from games of {', '.join(people)}, or trained with such "
-            f"agents; those of the pool {other.name} too",
-        )
+    shared = shared_people(manifest, other)
+    for people in ([one for one in shared if one not in SET_A], [one for one in shared if one in SET_A]):
+        who = next((entry for entry in manifest.entries if set(people) & set(entry.people or ())), None)
+        if who is not None:
+            yield Finding(
+                people[0] not in SET_A,
+                f"agents such as {who.layout}/{who.name} were made from games of {', '.join(people)}, or trained with "
+                f"such agents; those of the pool {other.name} too",
+            )
     for namespace in sorted(
         {agent.trained.namespace for agent in ours} & {agent.trained.namespace for agent in theirs}
     ):

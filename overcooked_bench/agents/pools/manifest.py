@@ -75,6 +75,7 @@ def write_manifest(
     entries: Sequence[Entry],
     cooking: Literal["auto", "manual"] = "auto",
     mode: Literal["sample", "greedy"] = "sample",
+    frozen: bool = True,
 ) -> Manifest:
     """Hashes the policies' files and writes `manifest.json`.
 
@@ -84,6 +85,7 @@ def write_manifest(
         entries: The partners; a policy without a reference gets one, from its files.
         cooking: Cooking mode of all partners.
         mode: How policies choose their actions.
+        frozen: False for a release candidate.
 
     Returns:
         The manifest that was written.
@@ -93,7 +95,7 @@ def write_manifest(
     """
     folder = Path(folder)
     whole = tuple(_with_files(entry, folder) for entry in sorted(entries, key=_order))
-    manifest = Manifest(format=FORMAT, name=name, cooking=cooking, mode=mode, hash="", entries=whole)
+    manifest = Manifest(format=FORMAT, name=name, cooking=cooking, mode=mode, hash="", entries=whole, frozen=frozen)
     try:  # as it will be read: an int in a float's place would be hashed differently
         manifest = msgspec.json.decode(msgspec.json.encode(manifest), type=Manifest)
     except (msgspec.ValidationError, TypeError, UnicodeEncodeError) as error:
@@ -282,9 +284,9 @@ def _with_files(entry: Entry, folder: Path) -> Entry:
 
 
 def _hashed(manifest: Manifest) -> bytes:
-    """Returns the bytes that the pool's hash is of: everything but the hash, with sorted entries and keys."""
+    """Returns the bytes that the pool's hash is of: with sorted entries and keys, all but the hash and `frozen`."""
     entries = tuple(sorted(manifest.entries, key=_order))
-    return msgspec.json.encode(msgspec.structs.replace(manifest, hash="", entries=entries), order="sorted")
+    return msgspec.json.encode(msgspec.structs.replace(manifest, hash="", entries=entries, frozen=True), order="sorted")
 
 
 def _order(entry: Entry) -> tuple[str, str]:

@@ -68,6 +68,11 @@ class Pool:
         return self.manifest.hash
 
     @property
+    def frozen(self) -> bool:
+        """Whether it stays as it is; False for a release candidate."""
+        return self.manifest.frozen
+
+    @property
     def cooking(self) -> str:
         """The cooking mode that the pool must be played under."""
         return self.manifest.cooking

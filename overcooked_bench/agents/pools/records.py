@@ -264,6 +264,7 @@ class Manifest(Record, frozen=True, kw_only=True):
         mode: How its policies' actions are chosen.
         hash: SHA-256 of everything else, entries sorted by layout and name; of an older format that of the file.
         entries: The partners.
+        frozen: False for a release candidate, which may still be mended; not part of the hash.
     """
 
     format: int
@@ -272,3 +273,4 @@ class Manifest(Record, frozen=True, kw_only=True):
     mode: Literal["sample", "greedy"]
     hash: str
     entries: tuple[Entry, ...]
+    frozen: bool = True

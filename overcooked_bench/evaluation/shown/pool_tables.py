@@ -25,7 +25,8 @@ def pool_tables(pool: Pool, layouts: Sequence[str]) -> "Group":
     trained = len(policies(pool.manifest))
     others = len(pool.manifest.entries) - trained
     size = f"{trained} trained agents" + f", {others} scripted entries" * bool(others)
-    head = f"{pool.name} ({pool.hash[:8]}) · {size} · cooking {pool.cooking} · actions {pool.mode}"
+    state = "" if pool.frozen else ", release candidate"
+    head = f"{pool.name} ({pool.hash[:8]}{state}) · {size} · cooking {pool.cooking} · actions {pool.mode}"
     parts: list[RenderableType] = [Text(head, style="bold")]
     if people := people_of(pool.manifest):
         parts.append(Text(f"made from games of {', '.join(people)}, or trained with agents that were"))

@@ -313,6 +313,22 @@ def test_a_broken_manifest_is_refused(tmp_path, content):
         read_manifest(tmp_path)
 
 
+def test_a_release_candidate_keeps_its_hash_when_it_is_frozen(pool_folder):
+    frozen = read_manifest(pool_folder)
+    candidate = write_manifest(pool_folder, frozen.name, frozen.entries, frozen=False)
+    assert read_manifest(pool_folder) == candidate
+    assert (frozen.frozen, candidate.frozen, Pool.load(pool_folder).frozen) == (True, False, False)
+    assert candidate.hash == frozen.hash
+    file = pool_folder / "manifest.json"
+    file.write_text(file.read_text().replace(',\n  "frozen": false', ""))
+    assert read_manifest(pool_folder) == frozen
+
+
+def test_all_shipped_pools_together_are_smaller_than_64_mb():
+    sizes = [file.stat().st_size for name in shipped_pools() for file in find_pool(name).rglob("*") if file.is_file()]
+    assert 0 < sum(sizes) < 64_000_000
+
+
 def test_shipped_pools_are_whole():
     for name in shipped_pools():
         pool = Pool.load(name)
