@@ -1,4 +1,4 @@
-"""The scripted agents: `stay`, `random`, two couriers that do half the work each, and `greedy`, which does it all.
+"""The scripted agents: `stay`, `random`, two couriers that do half the work each, `greedy`, and planners with habits.
 
 A new one is a file with its class, and a row in `SCRIPTED`.
 
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import Agent
 from overcooked_bench.agents.draws import sample_actions
+from overcooked_bench.agents.planner.habits import Habits
 from overcooked_bench.agents.planner.planner import Planner
 from overcooked_bench.kitchen.codes import NUM_ACTIONS, STAY
 from overcooked_bench.kitchen.layout import Layout
@@ -66,12 +67,36 @@ class Random(_Simple):
         return sample_actions(uniform, self._seeds, self._step - 1)
 
 
+def _greedy(habits: Habits, what: str) -> Scripted:
+    return Scripted(partial(Planner, "greedy", habits=habits), what=what)
+
+
 SCRIPTED: Final[dict[str, Scripted]] = {
     "stay": Scripted(Stay, what="never moves"),
     "random": Scripted(Random, what="draws each action with the same probability"),
     "onion_courier": Scripted(partial(Planner, "onion_courier"), what="only brings ingredients to pots"),
     "dish_courier": Scripted(partial(Planner, "dish_courier"), what="only fetches dishes, plates and serves"),
     "greedy": Scripted(partial(Planner, "greedy"), what="does whatever is most useful at the moment"),
+    "hesitant": _greedy(
+        Habits(pause=0.35, food_over="middle", dish_over="bottom"),
+        "greedy, but does nothing in every third step; hands onions over in the middle, dishes at the bottom",
+    ),
+    "counter_passer": _greedy(
+        Habits(job="food", passes=True, food_over="middle", dish_over="top"),
+        "passes objects over counters and leaves plates to others; hands onions over in the middle, dishes at the top",
+    ),
+    "clockwise": _greedy(
+        Habits(job="early", turn=1, food_over="top", dish_over="bottom"),
+        "walks clockwise and fetches dishes early; hands onions over at the top, dishes at the bottom",
+    ),
+    "anticlockwise": _greedy(
+        Habits(turn=-1, food_over="bottom", dish_over="top"),
+        "walks anticlockwise; hands onions over at the bottom, dishes at the top",
+    ),
+    "waiter": _greedy(
+        Habits(job="dish", food_over="top", dish_over="middle"),
+        "plates and serves, cooks only if the partner does not; hands onions over at the top, dishes in the middle",
+    ),
 }
 """The scripted agents by name."""
 

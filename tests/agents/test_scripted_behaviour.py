@@ -15,6 +15,11 @@ TRACES = {
     ("onion_courier", 1): "763f3fd2bf4a5bbd",
     ("dish_courier", 1): "46b06d695656c5b2",
     ("greedy", 1): "530450ac2cbf9864",
+    ("hesitant", 1): "3d98a77123d7bc9b",
+    ("counter_passer", 1): "437eb48c8f90ea17",
+    ("clockwise", 1): "ec096d1f7381265d",
+    ("anticlockwise", 1): "2da2373203f72367",
+    ("waiter", 1): "68c4b60c574fa541",
 }
 
 

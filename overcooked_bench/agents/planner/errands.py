@@ -14,6 +14,7 @@ from overcooked_bench.agents.planner.facts import (
     DISHES,
     DISHES_WANTED,
     ERRAND,
+    FOOD_PLACES,
     FOOD_ROOM,
     FOOD_WANTED,
     FOODS,
@@ -28,6 +29,7 @@ from overcooked_bench.agents.planner.facts import (
     PARTNER_FOOD,
     PARTNER_HAND,
     PUT_DOWN,
+    ROLE,
     ROOM,
     SERVES,
     SHARED,
@@ -49,30 +51,30 @@ _EARLY: Final = 3  # steps that a dish may come before its soup
 _LAY_DOWN: Final = 2  # steps it takes to have one's hands free
 
 
-def choose(facts: Facts, role: int) -> None:
+def choose(facts: Facts) -> None:
     """Sets GOAL, the tile to work at, or -1 if there is nothing to do but wait.
 
     Args:
-        facts: (B, FACTS), as `weigh` and `trust` leave them.
-        role: GREEDY, ONION_COURIER or DISH_COURIER.
+        facts: (B, FACTS), as `weigh`, `trust` and `take_jobs` leave them.
     """
-    _judge(facts, role)
-    _empty_handed(facts, role)
-    _with_dish(facts, role)
-    _with_food(facts, role)
+    _judge(facts)
+    _empty_handed(facts)
+    _with_dish(facts)
+    _with_food(facts)
     errands = facts[:, ERRAND]
     facts[:, GOAL] = np.where(errands == WAIT, -1, facts[np.arange(len(facts)), AT + errands])
 
 
 @jit
-def _judge(facts: Facts, role: int) -> None:
+def _judge(facts: Facts) -> None:
     """Finds what is missing that the partner does not supply; decides at once if its hands determine the errand."""
     for row in range(facts.shape[0]):
         f = facts[row]
         there = 0 if f[COOKS] else 1
         f[DISHES_WANTED] = f[SOUPS] - f[PARTNER_DISH] - there * f[DISHES]
         f[FOOD_WANTED] = f[NEED] - f[PARTNER_FOOD] - there * f[FOODS]
-        f[FOOD_ROOM] = f[COOKS] or f[ROOM] > 1 or (f[ROOM] == 1 and (f[DISHES] > 0 or f[SHARED] == 1))
+        spare = f[ROOM] > 1 or (f[ROOM] == 1 and (f[DISHES] > 0 or f[SHARED] == 1))
+        f[FOOD_ROOM] = f[COOKS] or (spare and f[FOOD_PLACES] > 0)
         nearer = f[PARTNER_BEST + START] < f[BEST + START] or (
             f[PARTNER_BEST + START] == f[BEST + START] and f[PARTNER] < f[ME]
         )
@@ -82,12 +84,12 @@ def _judge(facts: Facts, role: int) -> None:
             f[ERRAND] = USE if f[SERVES] else HAND_OVER
             if f[AT + f[ERRAND]] < 0:
                 f[ERRAND] = PUT_DOWN
-        if (f[HAND] > TOMATO and role == ONION_COURIER) or (NOTHING < f[HAND] < DISH and role == DISH_COURIER):
+        if (f[HAND] > TOMATO and f[ROLE] == ONION_COURIER) or (NOTHING < f[HAND] < DISH and f[ROLE] == DISH_COURIER):
             f[ERRAND] = PUT_DOWN
 
 
 @jit
-def _empty_handed(facts: Facts, role: int) -> None:
+def _empty_handed(facts: Facts) -> None:
     for row in range(facts.shape[0]):
         f = facts[row]
         if f[HAND] != NOTHING:
@@ -95,9 +97,9 @@ def _empty_handed(facts: Facts, role: int) -> None:
         onions, tomatoes = f[BITS] >> ONION & 1, f[BITS] >> TOMATO & 1
         food = TOMATO if tomatoes and (not onions or f[BEST + TOMATO] < f[BEST + ONION]) else ONION
         dish_steps, food_steps = f[BEST + DISH], f[BEST + food]
-        brings_dish = role != ONION_COURIER and dish_steps < FAR
-        brings_food = role != DISH_COURIER and food_steps < FAR and f[FOOD_ROOM]
-        free = role == GREEDY and f[COOKS] and f[ACTIVE] and f[PARTNER_HAND] == NOTHING
+        brings_dish = f[ROLE] != ONION_COURIER and dish_steps < FAR
+        brings_food = f[ROLE] != DISH_COURIER and food_steps < FAR and f[FOOD_ROOM]
+        free = f[ROLE] == GREEDY and f[COOKS] and f[ACTIVE] and f[PARTNER_HAND] == NOTHING
         partner_dish, partner_food = f[PARTNER_BEST + DISH] if free else FAR, f[PARTNER_BEST + food] if free else FAR
         first = f[ME] < f[PARTNER]  # where all else is equal
         takes_dish = brings_dish and f[DISHES_WANTED] > 0
@@ -111,11 +113,11 @@ def _empty_handed(facts: Facts, role: int) -> None:
             takes_dish = f[DISHES_WANTED] > 1 or dish_steps < partner_dish + first
         elif takes_food:
             takes_food = f[FOOD_WANTED] > 1 or food_steps < partner_food + first
-        ahead_dish = role == DISH_COURIER or (f[COOKS] and f[SOUPS] == 0 and f[NEED] > 0 and not f[PARTNER_DISH])
-        ahead_food = role == ONION_COURIER or not f[COOKS] or (f[PARTNER_DISH] and f[SOUPS] == 1)
+        ahead_dish = f[ROLE] == DISH_COURIER or (f[COOKS] and f[SOUPS] == 0 and f[NEED] > 0 and not f[PARTNER_DISH])
+        ahead_food = f[ROLE] == ONION_COURIER or not f[COOKS] or (f[PARTNER_DISH] and f[SOUPS] == 1)
         if f[STARTS]:
             f[ERRAND] = START
-        elif role != ONION_COURIER and f[SERVES] and f[AT + SOUP] >= 0:
+        elif f[ROLE] != ONION_COURIER and f[SERVES] and f[AT + SOUP] >= 0:
             f[ERRAND] = SOUP
         elif takes_food or (brings_food and ahead_food and not takes_dish and not (brings_dish and ahead_dish)):
             f[ERRAND] = food
@@ -126,10 +128,10 @@ def _empty_handed(facts: Facts, role: int) -> None:
 
 
 @jit
-def _with_dish(facts: Facts, role: int) -> None:
+def _with_dish(facts: Facts) -> None:
     for row in range(facts.shape[0]):
         f = facts[row]
-        if f[HAND] != DISH or role == ONION_COURIER:
+        if f[HAND] != DISH or f[ROLE] == ONION_COURIER:
             continue
         wanted = f[DISHES_WANTED] > 0
         nearer = f[PARTNER_BEST + USE] < f[BEST + USE] + (f[PARTNER] < f[ME])
@@ -143,15 +145,15 @@ def _with_dish(facts: Facts, role: int) -> None:
                 f[ERRAND] = PUT_DOWN
             elif f[BEST + USE] <= f[USE_STEPS] + 1:
                 f[ERRAND] = USE
-        elif role == GREEDY and f[FOOD_WANTED] > 0:
+        elif f[ROLE] == GREEDY and f[FOOD_WANTED] > 0:
             f[ERRAND] = PUT_DOWN
 
 
 @jit
-def _with_food(facts: Facts, role: int) -> None:
+def _with_food(facts: Facts) -> None:
     for row in range(facts.shape[0]):
         f = facts[row]
-        if not NOTHING < f[HAND] < DISH or role == DISH_COURIER:
+        if not NOTHING < f[HAND] < DISH or f[ROLE] == DISH_COURIER:
             continue
         wanted, first = f[DISHES_WANTED], f[PARTNER] < f[ME]
         if f[BITS] and not f[BITS] >> f[HAND] & 1:
@@ -165,7 +167,7 @@ def _with_food(facts: Facts, role: int) -> None:
             f[NEED] == 1 and f[PARTNER_FOOD] and f[PARTNER_BEST + USE] < f[BEST + USE] + first
         ):
             f[ERRAND] = USE
-        elif role == GREEDY:
+        elif f[ROLE] == GREEDY:
             partner_steps = f[PARTNER_BEST + DISH] - (_LAY_DOWN if f[PARTNER_HAND] == NOTHING else 0)
             partner_goes = f[ACTIVE] and (f[PARTNER_HAND] == NOTHING or f[PARTNER_FOOD])
             partner_goes = partner_goes and wanted == 1 and partner_steps < f[BEST + DISH] + first

@@ -39,10 +39,15 @@ ERRAND, GOAL, USE_STEPS, ACTION, AHEAD = range(38, 43)
 # Errands: fetch item 1 to 4; wait; use the held object; start a pot; hand over; put down; clear a shared counter. For
 # each, the steps of the best way, of the partner's best way, and the tile.
 WAIT, USE, START, HAND_OVER, PUT_DOWN, CLEAR, ERRANDS = 0, 5, 6, 7, 8, 9, 10
-BEST: Final = 43
+# Free counters over which its habits let it hand food; the counter to pass the held object over, or -1.
+FOOD_PLACES, PASS_AT = range(43, 45)
+BEST: Final = 45
 PARTNER_BEST: Final = BEST + ERRANDS
 AT: Final = PARTNER_BEST + ERRANDS
-FACTS: Final = AT + ERRANDS
+# Whether it keeps to its habits, as pots make progress; its job at this step.
+INSISTS: Final = AT + ERRANDS
+ROLE: Final = INSISTS + 1
+FACTS: Final = ROLE + 1
 
 PATIENCE: Final = 30  # steps without a change in a pot after which the partner is not relied on; less with each strike
 LEAST_PATIENCE: Final = 8
@@ -79,6 +84,7 @@ def look(views: NDArray[np.uint8], facts: Facts) -> None:
         f[CELL_BEFORE], f[LAST_CELL], f[PARTNER_WAS], f[TRIED] = f[LAST_CELL], f[ME], partner, 0
         f[YIELDING] = max(0, f[YIELDING] - 1)
         f[RESOLVED] -= int(f[RESOLVED] > 0) - int(f[RESOLVED] < 0)
+        f[INSISTS] = f[STALE] < max(LEAST_PATIENCE, PATIENCE >> f[STRIKES])
         f[THROUGH] = DETOUR if f[IDLE] < IDLE_LONG else FAR if f[IDLE] % ASK_AGAIN >= IDLE_VERY_LONG else 10 * DETOUR
 
 

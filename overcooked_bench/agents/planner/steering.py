@@ -26,7 +26,7 @@ from overcooked_bench.agents.planner.facts import (
     Facts,
     Table,
 )
-from overcooked_bench.agents.planner.tables import BESIDE, FAR, NEXT, LayoutTables
+from overcooked_bench.agents.planner.tables import BESIDE, COST, FAR, NEXT, LayoutTables
 from overcooked_bench.kitchen.codes import INTERACT, STAY
 from overcooked_bench.kitchen.jit import jit
 
@@ -71,7 +71,7 @@ def _head_for_goal(grid: Table, ways: Table, around: Table, coins: NDArray[np.fl
             n = grid[NEXT + direction, me]
             if grid[BESIDE + direction, me] == goal and f[GOAL] >= 0:
                 f[ACTION] = INTERACT if f[FACING] == direction else direction
-            elif n >= 0 and way[n, goal] < way[me, goal] and (straight or n != partner):
+            elif n >= 0 and way[n, goal] + grid[COST + direction, me] == way[me, goal] and (straight or n != partner):
                 f[ACTION], f[AHEAD] = direction, n
 
 

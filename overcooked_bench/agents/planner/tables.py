@@ -12,22 +12,27 @@ from numpy.typing import NDArray
 
 from overcooked_bench.kitchen.codes import DIRECTIONS, MAX_INGREDIENTS, RECIPES
 from overcooked_bench.kitchen.layout import Layout
+from overcooked_bench.kitchen.tracks.ring import find_middle
 
 FAR: Final = 10_000
 """Steps to a cell that cannot be reached."""
 
 FLOOR, COUNTER, POT, SERVING, ONIONS, TOMATOES, DISHES = range(7)
 NOTHING, ONION, TOMATO, DISH, SOUP = range(5)
+# What a planner does with an item at a counter: nothing, since it uses another; hands it over to the next region;
+# passes it on within its own region, where it is taken from the other side.
+ELSEWHERE, HANDS_OVER, PASSES = range(3)
 
 # Rows of `LayoutTables.grid`: the tile of a cell; the region of a floor cell; from a floor cell the next cell in each
-# direction, or -1 if it is not floor; and the same with tiles only.
-TILE, REGION, NEXT, BESIDE, GRID_ROWS = 0, 1, 2, 6, 10
+# direction, or -1 if it is not floor; the same with tiles only; and what a step in each direction counts.
+TILE, REGION, NEXT, BESIDE, COST, GRID_ROWS = 0, 1, 2, 6, 10, 14
 # Rows of `LayoutTables.onward[r]`: by item, steps from a tile to where chefs of region r take the item; then the cost
 # of waiting on a floor cell; then two flags in the cells 0 and 1: whether the region reaches a pot, and a serving tile.
 WAITING, FLAGS, ONWARD_ROWS = 5, 6, 7
 
 _MOST_CELLS: Final = 160  # in larger kitchens plans ignore the partner: the table would take more than 8 MB
 _BY_A_POT, _BY_A_TILE = 8, 4  # extra steps accepted to wait out of the way
+_AGAINST: Final = 4  # what a step against the preferred direction counts
 _NEAR: Final = 3  # weight of being near the pots relative to the way there
 
 
@@ -35,7 +40,7 @@ class LayoutTables(NamedTuple):
     """A layout in tables.
 
     Attributes:
-        grid: (10, C) int64  see the rows above
+        grid: (14, C) int64  see the rows above
         ways: (C, C) int64  steps from a floor cell to a floor cell, or to the nearest cell next to a tile
         around: (C or 1, C, C) int64  the same by the cell that the partner blocks; in large kitchens without the
             partner
@@ -51,8 +56,15 @@ class LayoutTables(NamedTuple):
 
 
 @lru_cache(maxsize=32)
-def make_tables(layout: Layout) -> LayoutTables:
-    """Computes the tables of a layout; cached, so they must not be changed."""
+def make_tables(layout: Layout, turn: int = 0) -> LayoutTables:
+    """Computes the tables of a layout; cached, so they must not be changed.
+
+    Args:
+        layout: A layout.
+        turn: The direction around the block of counters in the middle, or else around the middle of each region, in
+            which steps count 1, while steps against it count more: 1 clockwise as seen from above, -1 anticlockwise; 0
+            for 1 in both.
+    """
     kinds = dict(zip(" XPSOTD", (FLOOR, COUNTER, POT, SERVING, ONIONS, TOMATOES, DISHES), strict=True))
     tiles = np.array([kinds[tile] for row in layout.rows for tile in row], np.int64)
     cells, width = len(tiles), layout.width
@@ -63,6 +75,7 @@ def make_tables(layout: Layout) -> LayoutTables:
         for direction, (dx, dy) in enumerate(DIRECTIONS):
             n = (y + dy) * width + x + dx
             grid[(NEXT if tiles[n] == FLOOR else BESIDE) + direction, y * width + x] = n
+    grid[COST:] = _costs(layout, turn) if turn else 1
     beside = _beside(tiles, width)
     ways = _ways(grid, beside, -1)
     around = ways[None]
@@ -111,13 +124,26 @@ def _beside(tiles: NDArray[np.int64], width: int) -> list[list[int]]:
     return where
 
 
+def _costs(layout: Layout, turn: int) -> NDArray[np.int64]:
+    """Computes what a step from each cell in each direction counts, (4, C): 1, or more against the preferred turn."""
+    costs = np.ones((len(DIRECTIONS), layout.height * layout.width), np.int64)
+    block, cells = find_middle(layout), np.array(list(layout.regions))
+    regions = np.array(list(layout.regions.values()))
+    for (x, y), region in layout.regions.items():
+        middle_x, middle_y = block or cells[regions == region].mean(axis=0)
+        for direction, (dx, dy) in enumerate(DIRECTIONS):
+            turned = (x - middle_x) * dy - (y - middle_y) * dx  # y points downwards: above 0 is clockwise
+            costs[direction, y * layout.width + x] = _AGAINST if turn * turned < 0 else 1
+    return costs
+
+
 def _ways(grid: NDArray[np.int64], beside: list[list[int]], blocked: int) -> NDArray[np.int64]:
     """Computes the steps from each floor cell to each cell without crossing the blocked one (-1 for none)."""
     from overcooked_bench.agents.planner.distances import walk  # compiled, which reading a behaviour need not wait for
 
     cells = grid.shape[1]
     ways = np.full((cells, cells), FAR, np.int64)
-    walk(grid[TILE], grid[NEXT:BESIDE], blocked, np.empty(cells, np.int64), ways)
+    walk(grid[TILE], grid[NEXT:BESIDE], grid[COST:], blocked, np.empty((2, cells), np.int64), ways)
     for c, near in enumerate(beside):
         if grid[TILE, c] != FLOOR and near:
             ways[:, c] = ways[:, near].min(axis=1)

@@ -16,9 +16,11 @@ from overcooked_bench.agents.planner.facts import (
     CLEAR,
     COOKS,
     DISHES,
+    FOOD_PLACES,
     FOODS,
     HAND,
     HAND_OVER,
+    INSISTS,
     ME,
     NEED,
     PARTNER,
@@ -44,12 +46,15 @@ from overcooked_bench.agents.planner.facts import (
 from overcooked_bench.agents.planner.tables import (
     COUNTER,
     DISH,
+    ELSEWHERE,
     FAR,
     FLAGS,
     FLOOR,
+    HANDS_OVER,
     NOTHING,
     ONION,
     ONIONS,
+    PASSES,
     POT,
     REGION,
     SERVING,
@@ -70,26 +75,33 @@ _IN_POT, _IN_SOUP = CHANNELS.index("onions_in_pot"), CHANNELS.index("onions_in_s
 _REMAINING: Final = CHANNELS.index("cook_time_remaining")
 
 
-def weigh(views: NDArray[np.uint8], plan: LayoutTables, facts: Facts) -> None:
+def weigh(views: NDArray[np.uint8], plan: LayoutTables, customs: Table, facts: Facts) -> Table:
     """Computes all facts from POTS_NOW on.
 
     Args:
         views: (B, 26, C) observations.
         plan: The layout's tables.
+        customs: (5, C) by item, see `habits.HabitTables`.
         facts: (B, FACTS), as `look` leaves them.
+
+    Returns:
+        (B, C) this chef's steps to each cell.
     """
     me, partner = facts[:, ME], facts[:, PARTNER]
     partner_steps = plan.ways[partner]
-    steps = np.minimum(plan.around[partner if len(plan.around) > 1 else 0, me], plan.ways[me] + facts[:, THROUGH, None])
+    steps: Table = np.minimum(
+        plan.around[partner if len(plan.around) > 1 else 0, me], plan.ways[me] + facts[:, THROUGH, None]
+    )
     facts[:, POTS_NOW:BEST] = 0
     facts[:, BEST:AT] = FAR
-    facts[:, AT:] = -1
+    facts[:, AT:INSISTS] = -1
     facts[:, SAME] = plan.ways[me, partner] < FAR
     facts[:, [COOKS, SERVES]] = plan.onward[plan.grid[REGION, me], FLAGS, :2]
     facts[:, SOONEST] = FAR
     _weigh_pots(views, plan.grid, steps, partner_steps, plan.wanted, facts)
-    _weigh_counters(views, plan.grid, steps, partner_steps, facts)
-    _weigh_tiles(views, plan.grid, steps, partner_steps, plan.onward, facts)
+    _weigh_counters(views, plan.grid, steps, partner_steps, customs, facts)
+    _weigh_tiles(views, plan.grid, steps, partner_steps, plan.onward, customs, facts)
+    return steps
 
 
 @jit
@@ -129,7 +141,9 @@ def _weigh_pots(
 
 
 @jit
-def _weigh_counters(views: NDArray[np.uint8], grid: Table, steps: Table, partner_steps: Table, facts: Facts) -> None:
+def _weigh_counters(
+    views: NDArray[np.uint8], grid: Table, steps: Table, partner_steps: Table, customs: Table, facts: Facts
+) -> None:
     """Finds where objects can be put down or handed over, and counts the objects between two regions."""
     for row in range(views.shape[0]):
         view, f = views[row], facts[row]
@@ -142,11 +156,13 @@ def _weigh_counters(views: NDArray[np.uint8], grid: Table, steps: Table, partner
             if shared:
                 f[SHARED] += 1
                 f[ROOM] += item == NOTHING
+                f[FOOD_PLACES] += item == NOTHING and (customs[ONION, c] != ELSEWHERE or not f[INSISTS])
                 f[DISHES] += item == DISH
                 if item == ONION or item == TOMATO:  # noqa: SIM109  (a tuple costs compile time)
                     f[FOODS] += 1
                     errand = CLEAR
-                if item == NOTHING and own < f[BEST + HAND_OVER]:
+                usual = customs[f[HAND], c] != ELSEWHERE or not f[INSISTS]
+                if item == NOTHING and usual and own < f[BEST + HAND_OVER]:
                     f[BEST + HAND_OVER], f[AT + HAND_OVER] = own, c
                 own += _NOT_SHARED
             if errand >= 0 and own < f[BEST + errand]:
@@ -155,7 +171,13 @@ def _weigh_counters(views: NDArray[np.uint8], grid: Table, steps: Table, partner
 
 @jit
 def _weigh_tiles(
-    views: NDArray[np.uint8], grid: Table, steps: Table, partner_steps: Table, onward: Table, facts: Facts
+    views: NDArray[np.uint8],
+    grid: Table,
+    steps: Table,
+    partner_steps: Table,
+    onward: Table,
+    customs: Table,
+    facts: Facts,
 ) -> None:
     """Finds where to take each object on the way to its destination, where to serve and where to wait."""
     for row in range(views.shape[0]):
@@ -166,8 +188,11 @@ def _weigh_tiles(
             item = tile - ONIONS + ONION
             if tile == COUNTER:
                 item = item_at(view, c)
-                if item != SOUP and not f[COOKS] and not f[SAME] and partner_steps[row, c] < FAR:
-                    item = NOTHING  # it was handed over
+                custom = customs[item, c] if f[INSISTS] else HANDS_OVER
+                if custom == (PASSES if f[SAME] else ELSEWHERE) or (
+                    item != SOUP and not f[COOKS] and not f[SAME] and partner_steps[row, c] < FAR
+                ):
+                    item = NOTHING  # it was handed over, will be passed on, or is where nobody looks for it
             if tile == FLOOR and c != f[PARTNER]:
                 errand, extra = WAIT, mine[WAITING, c]
             elif tile == SERVING and f[HAND] == SOUP:
