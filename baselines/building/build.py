@@ -147,9 +147,9 @@ def publish(run: Run, folder: Path, pool: Path) -> list[Entry]:
         PoolError: The pool that is there is damaged.
     """
     kept = _read_agents(folder / AGENTS_FILE)
-    records = [_labelled(run, one.record) for one in kept]
+    records = [labelled(run, one.record) for one in kept]
     for record in records:
-        _check_entry(run, record, f"{folder}: this run")
+        check_entry(run, record, f"{folder}: this run")
     if sorted(record.name for record in records) != sorted(map(run.agent, run.group.keep)):
         raise PoolBuildError(
             f"{folder}: this run kept other agents than the configuration asks for; use another --runs"
@@ -170,7 +170,7 @@ def publish(run: Run, folder: Path, pool: Path) -> list[Entry]:
     return records
 
 
-def _labelled(run: Run, record: Entry) -> Entry:
+def labelled(run: Run, record: Entry) -> Entry:
     """Returns an agent's entry with the stratum that the configuration gives."""
     return msgspec.structs.replace(record, stratum=run.group.stratum or record.stratum)
 
@@ -200,11 +200,10 @@ def missing(config: PoolConfig, pool: Path) -> list[Run]:
             f"({', '.join(sorted({entry.name for entry in beside})) or 'none'}); choose another {option}"
         )
     left, counted = [], {run.path for run in runs}
-    further = [run for layout in config.layouts for quota in config.quotas for run in config.further(layout, quota)]
-    for run in [*runs, *further]:
+    for run in config.all_runs:
         agents = [held.pop((run.layout, run.agent(kind)), None) for kind in run.group.keep]
         for agent in filter(None, agents):
-            _check_entry(run, agent, f"{pool}: the agent {agent.layout}/{agent.name}")
+            check_entry(run, agent, f"{pool}: the agent {agent.layout}/{agent.name}")
         if None in agents and run.path in counted:
             left.append(run)
     if held:
@@ -215,7 +214,7 @@ def missing(config: PoolConfig, pool: Path) -> list[Run]:
     return left
 
 
-def _check_entry(run: Run, record: Entry, what: str) -> None:
+def check_entry(run: Run, record: Entry, what: str) -> None:
     """Makes sure that an agent was trained as the configuration says."""
     if record.training is None:
         raise PoolBuildError(f"{what} does not say how it was trained; choose another --runs and --output")

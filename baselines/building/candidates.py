@@ -1,13 +1,13 @@
 """Candidates for the quotas of a pool: which of them are fit, and what is trained where there are too few."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
 from overcooked_bench.agents.pools.manifest import MANIFEST, policies, read_manifest
 from overcooked_bench.agents.pools.records import Entry
 
-from .build import PoolBuildError
+from .build import PoolBuildError, labelled
 from .config import PoolConfig, Run
 
 CANDIDATES: Final = "candidates"
@@ -20,9 +20,16 @@ Key = tuple[str, str]
 """Layout and name of an agent."""
 
 
-def trained(pool: Path) -> dict[Key, Entry]:
-    """Returns the candidates that are trained, as the pool of candidates has them."""
-    return {(e.layout, e.name): e for e in policies(read_manifest(pool))} if (pool / MANIFEST).is_file() else {}
+def trained(config: PoolConfig, pool: Path) -> dict[Key, Entry]:
+    """Returns the candidates that are trained, by layout and name, with the strata that the configuration gives."""
+    if not (pool / MANIFEST).is_file():
+        return {}
+    runs = {(run.layout, run.name): run for run in config.all_runs}
+    return {
+        key: labelled(runs[key], entry)
+        for entry in policies(read_manifest(pool))
+        if (key := (entry.layout, entry.name)) in runs
+    }
 
 
 def fit(entry: Entry) -> bool:
@@ -52,7 +59,9 @@ def candidates(
     return [entry for entry in [*trained, *beside] if fit(entry) and (layout, entry.name) not in out]
 
 
-def needed(config: PoolConfig, held: Mapping[Key, Entry], out: Collection[Key] = ()) -> list[Run]:
+def needed(
+    config: PoolConfig, held: Mapping[Key, Entry], out: Collection[Key] = (), layouts: Sequence[str] | None = None
+) -> list[Run]:
     """Lists the runs that are still to be trained before the pool can be chosen.
 
     Those that the configuration counts come first. Where they are all trained and too few are fit, one further run
@@ -62,13 +71,15 @@ def needed(config: PoolConfig, held: Mapping[Key, Entry], out: Collection[Key] =
         config: The pool.
         held: The candidates that are trained.
         out: Those that are not to be chosen.
+        layouts: Only the runs on these.
 
     Raises:
         PoolBuildError: A quota cannot be met; says by how much, and what can be done.
     """
-    runs = [run for run in config.runs() if (run.layout, run.name) not in held]
+    places = [layout for layout in config.layouts if layouts is None or layout in layouts]
+    runs = [run for run in config.runs() if run.layout in places and (run.layout, run.name) not in held]
     unfinished = {(run.layout, run.group.quota) for run in runs}
-    for layout in config.layouts:
+    for layout in places:
         for quota, number in config.quotas.items():
             if (layout, quota) in unfinished:
                 continue

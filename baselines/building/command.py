@@ -1,16 +1,19 @@
 """What `overcooked-bench pool build` does after parsing its arguments."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from overcooked_bench.agents.pools.manifest import PoolError
+from overcooked_bench.agents.pools.manifest import MANIFEST, PoolError
 
 from ..running.place import CheckpointError, read_record, write_record
 from .build import PoolBuildError, missing
-from .candidates import CANDIDATES, needed, trained
+from .candidates import CANDIDATES, Key, needed, trained
+from .choosing import EFFORT, Chooser, Chosen
 from .config import PoolConfig, PoolConfigError, Run, load_pool_config
+from .final import is_complete, write_chosen
 from .queue import LOG, Display, Result, build
 
 NOTE: Final = "pool.json"
@@ -48,9 +51,9 @@ def main(
     try:
         config = load_pool_config(source, salt)
         home, pool = Path(runs or f"runs/{config.name}"), Path(output or f"pools/{config.name}")
-        target = home / CANDIDATES if config.quotas else pool
+        job = _Job(config, home, pool, workers, layouts, groups, limit)
         _check_note(home, config)
-        result, left = _train(config, home, target, workers, (layouts, groups), limit)
+        result, left = job.chosen() if config.quotas else job.train()
     except (PoolConfigError, PoolBuildError, PoolError, CheckpointError) as error:
         print(f"overcooked-bench pool build: {error}", file=sys.stderr)
         return 2
@@ -58,39 +61,101 @@ def main(
         raise KeyboardInterrupt
     for name in result.failed:
         print(f"failed: {name}; see {home / name / LOG}", file=sys.stderr)
-    print(f"{target}: {'complete' if not left else f'{left} runs are missing'}" + _selected(layouts, groups))
+    where = pool if job.is_whole else job.target
+    print(f"{where}: {'complete' if not left else f'{left} runs are missing'}" + _selected(layouts, groups))
     return 1 if result.failed else 0
 
 
-def _train(
-    config: PoolConfig,
-    home: Path,
-    target: Path,
-    workers: int,
-    only: tuple[Sequence[str] | None, Sequence[str] | None],
-    limit: int | None,
-) -> tuple[Result, int]:
-    """Trains what is missing, and further runs for quotas that have too few candidates.
+@dataclass(frozen=True)
+class _Job:
+    """What is asked for; the arguments of `main`."""
 
-    Returns:
-        What became of the runs, and how many are missing still.
-    """
-    result, wanted = Result(), _select(config, _waiting(config, target), *only)
-    write_record(home / NOTE, _note(config))
-    while now := wanted[: None if limit is None else limit - len(result.finished)]:
-        with Display(len(wanted)) as display:
-            last = build(now, home, target, workers, display)
-        result = last.after(result)
-        wanted = _select(config, _waiting(config, target), *only)
-        if last.stopped or last.failed or last.taken:
-            break
-    return result, len(wanted)
+    config: PoolConfig
+    home: Path
+    pool: Path
+    workers: int
+    layouts: Sequence[str] | None
+    groups: Sequence[str] | None
+    limit: int | None
 
+    @property
+    def target(self) -> Path:
+        """The folder of the pool that finished runs enter."""
+        return self.home / CANDIDATES if self.config.quotas else self.pool
 
-def _waiting(config: PoolConfig, target: Path) -> list[Run]:
-    """Lists the runs that can be trained now."""
-    runs = missing(config, target)
-    return needed(config, trained(target)) if config.quotas else runs
+    @property
+    def is_whole(self) -> bool:
+        """Whether the pool itself is asked for: all runs of all layouts, or what a pool without quotas lacks."""
+        return not self.config.quotas or (self.layouts, self.groups, self.limit) == (None, None, None)
+
+    def train(self, out: Collection[Key] = ()) -> tuple[Result, int]:
+        """Trains what is missing, and further runs for quotas that have too few candidates.
+
+        Args:
+            out: Candidates that are left out.
+
+        Returns:
+            What became of the runs, and how many are missing still.
+        """
+        result, wanted = Result(), self._waiting(out)
+        if wanted:
+            self.home.mkdir(parents=True, exist_ok=True)
+            write_record(self.home / NOTE, _note(self.config))
+        while now := wanted[: None if self.limit is None else self.limit - len(result.finished)]:
+            with Display(len(wanted)) as display:
+                last = build(now, self.home, self.target, self.workers, display)
+            result, wanted = last.after(result), self._waiting(out)
+            if not last.well:
+                break
+        return result, len(wanted)
+
+    def chosen(self) -> tuple[Result, int]:
+        """Trains candidates, and chooses the pool among them.
+
+        Returns:
+            As `train`.
+        """
+        if not (self.target / MANIFEST).is_file() and is_complete(self.config, self.pool):
+            return Result(), 0
+        out: set[Key] = set()
+        found: dict[str, Chosen] = {}
+        places = [layout for layout in self.config.layouts if self.layouts is None or layout in self.layouts]
+        while len(found) < len(places):
+            result, left = self.train(out)
+            if left or not result.well or self.groups is not None or self.limit is not None:
+                return result, left
+            with Display(0) as display:
+                found |= self._choose([layout for layout in places if layout not in found], out, display.say)
+        if self.is_whole:
+            entries = [entry for one in found.values() for entry in one.entries]
+            write_chosen(self.config, self.target, self.pool, entries)
+        return result, left
+
+    def _choose(self, layouts: Sequence[str], out: set[Key], say: Callable[[str], None]) -> dict[str, Chosen]:
+        """Chooses the partners of some layouts; where candidates turn out to be weak, they are added to `out` instead.
+
+        Returns:
+            Layout -> its partners.
+        """
+        chooser, held = Chooser(self.config, self.home, self.workers, say, EFFORT), trained(self.config, self.target)
+        found = {}
+        for layout in layouts:
+            one = chooser.choose(layout, held, out)
+            for name in one.weak:
+                say(f"{layout} {name}: left out, too little can be reached with it")
+            for sentence in one.unmet:
+                say(f"{layout}: {sentence}")
+            out |= {(layout, name) for name in one.weak}
+            if not one.weak:
+                found[layout] = one
+        return found
+
+    def _waiting(self, out: Collection[Key]) -> list[Run]:
+        """Lists the runs that can be trained now."""
+        runs = missing(self.config, self.target)
+        if self.config.quotas:
+            runs = needed(self.config, trained(self.config, self.target), out, self.layouts)
+        return _select(self.config, runs, self.layouts, self.groups)
 
 
 def _note(config: PoolConfig) -> dict[str, str]:

@@ -13,6 +13,7 @@ from typing import Final, Literal
 
 import msgspec
 
+from overcooked_bench.agents.pools.pool import shipped_pools
 from overcooked_bench.agents.pools.records import Entry
 from overcooked_bench.documents import LONGEST, Document, parse_yaml
 from overcooked_bench.errors import WrongUse
@@ -49,6 +50,8 @@ class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         cooking: Cooking mode of all agents.
         scripted: Partners beside the trained ones.
         quotas: How many candidates of each quota are chosen on each layout; none if all agents enter the pool.
+        responders: Pools whose agents are tried as responders, beside scripted agents and the pool's own ones, to find
+            what can be reached with a partner.
     """
 
     name: str
@@ -58,6 +61,7 @@ class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     cooking: Literal["auto", "manual"] = "auto"
     scripted: tuple[ScriptedPartner, ...] = ()
     quotas: dict[str, int] = {}
+    responders: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         strange = sorted(
@@ -67,6 +71,8 @@ class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
             raise ValueError(
                 f"layouts is {[*self.layouts, *strange]}; choose among {', '.join(layout_names())}, each once"
             )
+        if strange := sorted({*self.responders} - {*shipped_pools()}):
+            raise ValueError(f"responders has {strange[0]!r}; choose among {', '.join(shipped_pools())}")
         if not self.groups:
             raise ValueError("groups is []; give one at least")
         for one, other in combinations(self.groups, 2):
@@ -112,6 +118,13 @@ class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
             for group in self.groups
             for layout in self.layouts
             if index < group.runs_on(layout)
+        ]
+
+    @property
+    def all_runs(self) -> "list[Run]":
+        """All runs that there can be: those that are counted, and the further ones of all quotas."""
+        return self.runs() + [
+            run for place in self.layouts for quota in self.quotas for run in self.further(place, quota)
         ]
 
     def further(self, layout: str, quota: str) -> "list[Run]":

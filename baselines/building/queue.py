@@ -47,6 +47,11 @@ class Result:
     taken: list[str] = field(default_factory=list)
     stopped: bool = False
 
+    @property
+    def well(self) -> bool:
+        """Whether all went well: every run is finished."""
+        return not (self.failed or self.taken or self.stopped)
+
     def after(self, before: "Result") -> "Result":
         """Returns what became of these runs and of those before them."""
         return Result(

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from overcooked_bench.agents.pools.records import Bound
 from overcooked_bench.estimate import t_interval
 from overcooked_bench.evaluation.pools.meeting import play_pairs
+from overcooked_bench.evaluation.pools.pairs import Played
 from overcooked_bench.evaluation.pools.players import Player
 
 FLOORS: Final[tuple[Literal["stay", "random"], ...]] = ("stay", "random")
@@ -47,6 +48,7 @@ def measure_bounds(
     on_progress: Callable[[str, int, int], object] = lambda what, done, of: None,
     plan: Plan = PLAN,
     horizon: int = 400,
+    play: Callable[..., Played] = play_pairs,
 ) -> list[tuple[Bound, ...]]:
     """Measures the floor and the ceiling of each partner, for each side that the other agent can start on.
 
@@ -63,6 +65,7 @@ def measure_bounds(
         on_progress: Called with "try", "choose" or "measure", pairs that are done, and all pairs of this stage.
         plan: How much is played.
         horizon: Steps of an episode.
+        play: Plays the pairs instead of `play_pairs`, with the same arguments.
 
     Returns:
         P tuples, one `Bound` per side.
@@ -79,7 +82,7 @@ def measure_bounds(
 
     def stage(what: str, pairs: Iterable[tuple[int, int]], episodes: int) -> _Results:
         listed = sorted(set(pairs), key=lambda pair: pair[::-1])
-        played = play_pairs(
+        played = play(
             layout,
             players,
             listed,

@@ -51,6 +51,7 @@ def meet(
     horizon: int = 400,
     on_progress: Callable[[int, int], object] = lambda done, of: None,
     purpose: str = PURPOSE,
+    play: Callable[..., Played] | None = None,
 ) -> Meeting:
     """Plays every agent with every partner, from random starts, in the cooking mode of their pools.
 
@@ -70,6 +71,7 @@ def meet(
         horizon: Steps of an episode.
         on_progress: Called with pairs that are done and all pairs.
         purpose: What the episodes are for: those of another purpose are independent.
+        play: Plays the pairs instead of `play_pairs`, with the same arguments.
 
     Raises:
         WrongUse: No agent, no partner, no episode, a player of another layout, or pools of different cooking modes.
@@ -77,7 +79,8 @@ def meet(
     """
     size = len(agents), len(partners)
     pairs = [(a, size[0] + p) for p in range(size[1]) for a in range(size[0])]
-    played = play_pairs(layout, [*agents, *partners], pairs, episodes, seed, workers, horizon, on_progress, purpose)
+    everybody = [*agents, *partners]
+    played = (play or play_pairs)(layout, everybody, pairs, episodes, seed, workers, horizon, on_progress, purpose)
     returns, sides = (array.reshape(*size[::-1], episodes, 2).swapaxes(0, 1) for array in played)
     names = [tuple(player.reference for player in players) for players in (agents, partners)]
     return Meeting(layout, names[0], names[1], np.ascontiguousarray(returns), np.ascontiguousarray(sides))
