@@ -67,8 +67,8 @@ class Random(_Simple):
         return sample_actions(uniform, self._seeds, self._step - 1)
 
 
-def _greedy(habits: Habits, what: str) -> Scripted:
-    return Scripted(partial(Planner, "greedy", habits=habits), what=what)
+def _greedy(habits: Habits, what: str, version: int = 1) -> Scripted:
+    return Scripted(partial(Planner, "greedy", habits=habits), version, what)
 
 
 SCRIPTED: Final[dict[str, Scripted]] = {
@@ -96,6 +96,7 @@ SCRIPTED: Final[dict[str, Scripted]] = {
     "waiter": _greedy(
         Habits(job="dish", food_over="top", dish_over="middle"),
         "plates and serves, cooks only if the partner does not; hands onions over at the top, dishes in the middle",
+        version=2,
     ),
 }
 """The scripted agents by name."""

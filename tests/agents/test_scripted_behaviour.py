@@ -19,7 +19,7 @@ TRACES = {
     ("counter_passer", 1): "437eb48c8f90ea17",
     ("clockwise", 1): "ec096d1f7381265d",
     ("anticlockwise", 1): "2da2373203f72367",
-    ("waiter", 1): "68c4b60c574fa541",
+    ("waiter", 2): "68c4b60c574fa541",
 }
 
 

@@ -39,7 +39,8 @@ from overcooked_bench.agents.planner.tables import DISH, FAR, NOTHING, ONION, PA
 from overcooked_bench.kitchen.jit import jit
 
 _SOON: Final = 2  # missing ingredients at which an early dish is fetched
-_NEARLY: Final = 8  # steps until a soup is ready at which a chef with ways of its own fetches a dish
+# Steps until a soup is ready at which a chef in a region of its own fetches a dish.
+_NEARLY: Final = {"early": 8, "dish": 14}
 
 
 def take_jobs(facts: Facts, role: int, job: Job) -> None:
@@ -59,7 +60,7 @@ def take_jobs(facts: Facts, role: int, job: Job) -> None:
         facts[shares & (hand < DISH), ROLE] = ONION_COURIER
     else:
         shares &= (job == "dish") | (facts[:, SOUPS] > 0) | (facts[:, NEED] <= _SOON)
-        shares &= (facts[:, SAME] > 0) | (facts[:, SOONEST] <= _NEARLY)
+        shares &= (facts[:, SAME] > 0) | (facts[:, SOONEST] <= _NEARLY[job])
         first = (theirs != DISH) | ((hand == DISH) & (facts[:, ME] > facts[:, PARTNER]))
         facts[shares & first & ((hand == NOTHING) | (hand >= DISH)), ROLE] = DISH_COURIER
 

@@ -89,6 +89,21 @@ def test_the_waiter_plates_and_the_passer_leaves_it_to_the_partner():
     assert pots["waiter"] < 0.35 < 0.5 < pots["counter_passer"]
 
 
+@pytest.mark.parametrize("layout", [*CONNECTED, "forced_coordination"])
+def test_no_two_of_them_play_the_same(layout):
+    played = {name: watch(layout, name, "greedy").actions.tobytes() for name in ("greedy", *WITH_HABITS)}
+    assert len(set(played.values())) == len(played)
+
+
+def test_the_waiter_plates_where_chefs_have_regions_of_their_own():
+    plates = {
+        name: np.nonzero(watch("asymmetric_advantages", name, "greedy").taken & PLATED)[2]
+        for name in ("waiter", "greedy")
+    }
+    assert np.mean(plates["waiter"] == 0) > 0.6
+    assert np.mean(plates["greedy"] == 0) < 0.55
+
+
 def test_the_hesitant_one_does_nothing_in_every_third_step():
     waited = {
         name: np.mean(watch("coordination_ring", name, "greedy").actions[:, :, 0] == STAY)
