@@ -22,7 +22,7 @@ from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.processes import follow_parent, hold_stops, listen, start_process
 
 from ..running.locks import locked
-from .build import PoolBuildError, publish, train_run
+from .build import AGENTS_FILE, PoolBuildError, publish, train_run
 from .config import Run
 
 LOG: Final = "log.txt"
@@ -87,6 +87,9 @@ def build(
         try:
             while left and len(running) < workers and not result.stopped:
                 run = left.popleft()
+                if (home / run.path / AGENTS_FILE).exists():  # finished before; no process needs to see to it
+                    _settle(run, _DONE, home / run.path, pool, result, shown.say)
+                    continue
                 with hold_stops():  # until it is known whom to pass Ctrl-C on to
                     process = start_process(_work, run, home / run.path, every, name=run.path)
                     running[process.sentinel] = run, process

@@ -187,13 +187,13 @@ def test_another_configurations_run_is_not_published(built, tmp_path):
 
 
 def test_the_command_publishes_what_is_there(built, tmp_path, capsys, monkeypatch):
-    """Everything but the training: both runs are finished, one after the other is put into a new pool."""
+    """Both runs are finished: one after the other is put into a new pool, without a process."""
 
     class Ended:
-        sentinel, exitcode, pid = 0, 0, 1
+        sentinel, exitcode, pid = 0, 1, 1
         join = kill = lambda self: None
 
-    monkeypatch.setattr(queue, "start_process", lambda *_, name: Ended())
+    monkeypatch.setattr(queue, "start_process", lambda *_, name: pytest.fail("trained again"))
     monkeypatch.setattr(queue, "wait", lambda sentinels, timeout: sentinels)
     where = {"runs": str(built / "runs"), "output": str(tmp_path / "pool")}
     config = str(write_config(tmp_path))
@@ -204,22 +204,21 @@ def test_the_command_publishes_what_is_there(built, tmp_path, capsys, monkeypatc
     assert main(config, **where, groups=["other"], layouts=[LAYOUT]) == 0
     assert capsys.readouterr().out.endswith("complete (cramped_room, other)\n")
     assert (tmp_path / "pool" / "manifest.json").read_bytes() == (built / "pool" / "manifest.json").read_bytes()
-    Ended.exitcode = 1
-    assert main(config, runs=where["runs"], output=str(tmp_path / "new"), limit=1) == 1
+    monkeypatch.setattr(queue, "start_process", lambda *_, name: Ended())
+    new = {"runs": str(tmp_path / "runs"), "output": str(tmp_path / "new")}
+    assert main(config, **new, limit=1) == 1
     assert "failed: cramped_room/sp-0" in capsys.readouterr().err
     Ended.exitcode = 130
     with pytest.raises(KeyboardInterrupt):
-        main(config, runs=where["runs"], output=str(tmp_path / "new"))
+        main(config, **new)
 
 
 def test_the_runs_of_another_salt_are_refused(tmp_path, monkeypatch, capsys):
-    still = {"join": lambda: None}
     monkeypatch.setattr(queue, "wait", lambda sentinels, timeout: sentinels)
     config = write_config(tmp_path, group())
     (run,) = load_pool_config(config, "one").runs()
     where = {"runs": str(tmp_path / "runs"), "output": str(tmp_path / "pool")}
     assert train_run(run, tmp_path / "runs" / run.path)
-    monkeypatch.setattr(queue, "start_process", lambda *_, name: types.SimpleNamespace(sentinel=0, exitcode=0, **still))
     assert main(str(config), **where, salt="one") == 0
     assert main(str(config), **where, salt="two") == 2
     told = capsys.readouterr()
@@ -278,8 +277,6 @@ def test_the_steps_of_a_snapshot_are_those_it_had(algorithm, tmp_path, monkeypat
 
 
 def test_a_run_that_cannot_be_published_does_not_end_the_others(built, tmp_path, monkeypatch, capsys):
-    ended = types.SimpleNamespace(sentinel=0, exitcode=0, join=lambda: None)
-    monkeypatch.setattr(queue, "start_process", lambda *_, name: ended)
     monkeypatch.setattr(queue, "wait", lambda sentinels, timeout: sentinels)
     overrides = {**OVERRIDES, "gamma": 0.5}
     runs = pool_config(tmp_path, group(**{**THREE_AGENTS, "overrides": overrides}), group("other", first=1)).runs()
