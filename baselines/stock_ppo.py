@@ -6,7 +6,7 @@ The kitchens, the schedules of partial rewards and entropy, and the files are th
 """
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 from stable_baselines3 import PPO
 
@@ -25,7 +25,28 @@ CODEBASE: Final = "stable-baselines3"
 
 @dataclass(frozen=True, kw_only=True)
 class Config(Settings):
-    """Trains one policy on both seats of a kitchen by stable-baselines3's own PPO."""
+    """Trains one policy on both seats of a kitchen by stable-baselines3's own PPO.
+
+    Its `MlpPolicy` keeps actor and critic apart, two layers of 64 tanh units each. Other defaults are SB3's, but for a
+    larger, falling learning rate, an entropy bonus, and rollouts and batches for one core.
+    """
+
+    steps: int = 400_000
+    """Joint steps of training."""
+    rollout: int = 100
+    """Steps of each kitchen between updates."""
+    epochs: int = 6
+    """Epochs per rollout."""
+    learning_rate: float = 1.5e-3
+    """Adam's initial learning rate, annealed linearly."""
+    value_coefficient: float = 0.5
+    """Value-loss coefficient; with `network` mlp, actor and critic share nothing but the clipping of the gradient."""
+    entropy_start: float = 0.02
+    """Initial entropy coefficient, annealed linearly."""
+    shaping_share: float = 0.8
+    """Share of the steps over which the weight of partial rewards is annealed linearly from 1 to 0."""
+    start: Literal["random", "standard"] = "standard"
+    """random: random floor cells; standard: the layout's start cells."""
 
     def __post_init__(self) -> None:
         """Refuses stacked states, too, which this convolutional network does not take.
