@@ -191,7 +191,7 @@ class Bound(Record, frozen=True, kw_only=True):
         floor: Points per episode of the better of `stay` and `random`.
         floor_agent: Which of the two it is.
         ceiling: Points per episode of the best known responder, in episodes that it was not chosen by.
-        low: Lower end of the ceiling's 95 % interval over episodes.
+        low: Lower end of the ceiling's 95 % interval over start states.
         high: Upper end.
         episodes: Number of these episodes.
         responder: Reference of the best known responder.

@@ -2,7 +2,7 @@
 
 A responder is chosen by some episodes and measured in others, so that its ceiling owes nothing to luck.
 
-Axes: P partners, N pairs of a responder and a partner, E episodes from each seat.
+Axes: P partners, N pairs of a responder and a partner, E start states, each played from both seats.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -123,6 +123,7 @@ def measure_bounds(
                 [fresh.of((first_floor + f, first + p), side) for f in range(len(floors))],
                 fresh.of((chosen[p, side], first + p), side),
                 players[chosen[p, side]],
+                plan.measured,
             )
             for side in sides
         )
@@ -144,13 +145,20 @@ class _Results(NamedTuple):
     sides: NDArray[np.int64]
 
     def of(self, pair: tuple[int, int], side: int) -> NDArray[np.float64]:
-        """Returns the points of a pair's episodes in which the responder started on a side."""
+        """Returns a pair's points where the responder started on a side, one mean per start state.
+
+        A start state is played from both seats; on a floor of one region both are the same side.
+        """
         place = self.places[pair]
-        found: NDArray[np.float64] = self.returns[place][self.sides[place] == side]
+        there = self.sides[place] == side
+        number = there.sum(axis=1)
+        found: NDArray[np.float64] = (self.returns[place] * there).sum(axis=1)[number > 0] / number[number > 0]
         return found
 
 
-def _bound(side: int, floors: Sequence[NDArray[np.float64]], returns: NDArray[np.float64], responder: Player) -> Bound:
+def _bound(
+    side: int, floors: Sequence[NDArray[np.float64]], returns: NDArray[np.float64], responder: Player, episodes: int
+) -> Bound:
     means = [float(points.mean()) for points in floors]
     found = t_interval(returns, lowest=0.0)
     low, high = found.interval or (found.value, found.value)
@@ -161,7 +169,7 @@ def _bound(side: int, floors: Sequence[NDArray[np.float64]], returns: NDArray[np
         ceiling=round(found.value, 3),
         low=round(low, 3),
         high=round(high, 3),
-        episodes=len(returns),
+        episodes=episodes,
         responder=responder.reference,
         responder_sha256=responder.sha256,
     )
