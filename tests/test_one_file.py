@@ -147,6 +147,7 @@ KINDS = {
     "protocol",
     "metric",
     "pool",
+    "entry",
     "command",
 }
 ROWS = re.findall(

@@ -168,7 +168,7 @@ def test_broken_submissions_are_told_with_file_and_line(submit, text, message):
         ("raise SystemExit", "line 2: SystemExit"),
         ("return None", "None has no method reset and no act"),
         ("return type('Agent', (), {'observation': 'state', 'reset': print, 'act': print})", "is a class"),
-        ("return type('Agent', (), {'reset': print, 'act': print})()", "observation is None; choose one of features,"),
+        ("return type('Agent', (), {'reset': print, 'act': print})()", "observation is None; choose one of blind,"),
         ("return type('Agent', (), {'observation': 'pixels', 'reset': print, 'act': print})()", "'pixels'"),
     ],
     ids=["raises", "exits", "none", "class", "no-observation", "unknown-observation"],
