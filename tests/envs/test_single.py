@@ -179,7 +179,7 @@ def test_gymnasium_records_the_statistics_of_an_episode():
     ("options", "message"),
     [
         ({"seat": 2}, r"seat=2; give 0, 1, or 'random'"),
-        ({"observation": "pixels"}, "no observation named 'pixels'; choose one of features,"),
+        ({"observation": "pixels"}, "no observation named 'pixels'; choose one of blind,"),
         ({"cooking": "raw"}, "cooking"),
         ({"start": "here"}, "start='here'; give 'random' or 'standard'"),
         ({"horizon": 0}, "horizon=0; give a whole number of steps from 1"),
@@ -189,7 +189,7 @@ def test_gymnasium_records_the_statistics_of_an_episode():
         ({"layout": "crampd_room"}, "did you mean 'cramped_room'"),
         (
             {"partner": Wanderer("pixels")},
-            "partner Wanderer.*observation is 'pixels'; choose one of features",
+            "partner Wanderer.*observation is 'pixels'; choose one of blind",
         ),
         ({"layout": TOMATO_KITCHEN}, "'lossless' has no tomato channels.*use 'lossless26'"),
         (
