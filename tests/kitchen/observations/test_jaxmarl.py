@@ -13,7 +13,7 @@ from overcooked_bench.kitchen.image import CHANNELS
 from overcooked_bench.kitchen.observations.registry import OBSERVATIONS
 from tests.kitchen.strategies import SEEDS, joint_actions, law, layouts
 
-RECORDED = Path(__file__).parents[2] / "data" / "golden" / "jaxmarl" / "coord_ring.npz"
+RECORDED = Path(__file__).parents[2] / "data" / "jaxmarl" / "coord_ring.npz"
 COUNTERS = CHANNELS.index("counters")
 
 

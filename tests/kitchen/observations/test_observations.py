@@ -185,7 +185,7 @@ def test_the_last_39_steps_are_urgent(horizon, first_urgent):
 @pytest.mark.parametrize(
     ("layout", "name", "message"),
     [
-        ("cramped_room", "pixels", "no observation named 'pixels'; choose one of blind, features, lossless, "),
+        ("cramped_room", "pixels", "no observation named 'pixels'; choose one of blind, features, jaxmarl, lossless, "),
         ("cramped_room", "stack_states", "'stack_states' needs the past: make Kitchens"),
         ("cramped_room", "stack_channels", "'stack_channels' needs the past"),
         (
