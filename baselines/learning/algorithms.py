@@ -11,6 +11,7 @@ from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 
+from .arguments import ppo_arguments
 from .learner import Learner
 from .networks import TrunkPolicy, policy_kwargs
 from .pressure import Pressure
@@ -37,18 +38,8 @@ def make_learner(
     return Learner(
         TrunkPolicy,
         env,
-        learning_rate=settings.learning_rate_at,
-        n_steps=settings.rollout,
-        batch_size=settings.learning_seats * settings.num_kitchens * settings.rollout // settings.minibatches,
-        n_epochs=settings.epochs,
-        gamma=settings.gamma,
-        gae_lambda=settings.gae_lambda,
-        clip_range=settings.clip,
-        vf_coef=settings.value_coefficient,
-        max_grad_norm=settings.max_grad_norm,
+        **ppo_arguments(settings, seed),
         policy_kwargs=policy_kwargs(settings),
-        seed=seed,
-        device=settings.device,
         pressure=pressure,
     )
 

@@ -16,6 +16,7 @@ from overcooked_bench.agents.policies.architecture import Architecture
 from overcooked_bench.agents.policies.lstm import Lstm
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 
+from .arguments import ppo_arguments
 from .networks import MlpTrunk, named, policy_kwargs
 from .settings import Settings
 
@@ -70,21 +71,11 @@ def make_recurrent(
     return RecurrentPPO(
         RecurrentTrunkPolicy,
         env,
-        learning_rate=settings.learning_rate_at,
-        n_steps=settings.rollout,
-        batch_size=settings.learning_seats * settings.num_kitchens * settings.rollout // settings.minibatches,
-        n_epochs=settings.epochs,
-        gamma=settings.gamma,
-        gae_lambda=settings.gae_lambda,
-        clip_range=settings.clip,
-        vf_coef=settings.value_coefficient,
-        max_grad_norm=settings.max_grad_norm,
+        **ppo_arguments(settings, seed),
         policy_kwargs={
             **policy_kwargs(settings),
             "net_arch": list(head),
             "lstm_hidden_size": units,
             "enable_critic_lstm": False,
         },
-        seed=seed,
-        device=settings.device,
     )

@@ -1,7 +1,7 @@
 """PPO of stable-baselines3 as it comes, with its own loops, policy class and preprocessing, on the kitchens.
 
-Nothing here is shared with `learner.py` and `networks.py`: actor and critic of the fully connected network have layers
-of their own (SB3's `MlpPolicy`), and all inputs are multiplied, those that never change too.
+No loop and no layer is shared with `learner.py` and `networks.py`: actor and critic of the fully connected network have
+layers of their own (SB3's `MlpPolicy`), and all inputs are multiplied, those that never change too.
 """
 
 from typing import Any
@@ -15,6 +15,7 @@ from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 from overcooked_bench.agents.policies.architectures import CONVOLUTIONS
 from overcooked_bench.envs.sb3 import OvercookedVecEnv
 
+from .arguments import ppo_arguments
 from .settings import Settings
 
 
@@ -52,18 +53,8 @@ def make_stock_ppo(settings: Settings, env: OvercookedVecEnv, seed: int) -> PPO:
     model = PPO(
         "MlpPolicy",
         env,
-        learning_rate=settings.learning_rate_at,
-        n_steps=settings.rollout,
-        batch_size=settings.learning_seats * settings.num_kitchens * settings.rollout // settings.minibatches,
-        n_epochs=settings.epochs,
-        gamma=settings.gamma,
-        gae_lambda=settings.gae_lambda,
-        clip_range=settings.clip,
-        vf_coef=settings.value_coefficient,
-        max_grad_norm=settings.max_grad_norm,
+        **ppo_arguments(settings, seed),
         policy_kwargs=_policy_kwargs(settings),
-        seed=seed,
-        device=settings.device,
     )
     model.policy.to(memory_format=torch.channels_last)  # convolutions take a third less time
     return model

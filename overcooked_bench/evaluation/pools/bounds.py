@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from overcooked_bench.agents.pools.records import Bound
 from overcooked_bench.estimate import t_interval
 from overcooked_bench.evaluation.pools.meeting import play_pairs
-from overcooked_bench.evaluation.pools.pairs import Played
+from overcooked_bench.evaluation.pools.pairs import Played, points_from
 from overcooked_bench.evaluation.pools.players import Player
 
 FLOORS: Final[tuple[Literal["stay", "random"], ...]] = ("stay", "random")
@@ -145,15 +145,9 @@ class _Results(NamedTuple):
     sides: NDArray[np.int64]
 
     def of(self, pair: tuple[int, int], side: int) -> NDArray[np.float64]:
-        """Returns a pair's points where the responder started on a side, one mean per start state.
-
-        A start state is played from both seats; on a floor of one region both are the same side.
-        """
+        """Returns a pair's points where the responder started on a side, one mean per start state."""
         place = self.places[pair]
-        there = self.sides[place] == side
-        number = there.sum(axis=1)
-        found: NDArray[np.float64] = (self.returns[place] * there).sum(axis=1)[number > 0] / number[number > 0]
-        return found
+        return points_from(self.returns[place], self.sides[place], side)
 
 
 def _bound(

@@ -9,9 +9,6 @@ from collections.abc import Callable, Sequence
 from math import hypot, sqrt
 from typing import Final, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.pools.records import Bound, Entry
@@ -19,6 +16,7 @@ from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.estimate import Estimate, t_interval
 from overcooked_bench.evaluation.pools.meeting import play_pairs
 from overcooked_bench.evaluation.pools.normalised import partner_shares
+from overcooked_bench.evaluation.pools.pairs import points_from
 from overcooked_bench.evaluation.pools.players import Player, players_of
 
 PURPOSE: Final = "oracle"
@@ -92,7 +90,7 @@ def play_oracle(
     rows = []
     for partner, bound, one in meetings:
         pair = pairs.index((index[one.reference], index[partner.reference]))
-        reached = _from_side(played.returns[pair], played.sides[pair], bound.side)
+        reached = points_from(played.returns[pair], played.sides[pair], bound.side)
         weight = weights[partner.entry.name] / len(partner.entry.bounds or ())
         rows.append(OracleRow(partner.entry.name, one.reference, bound, weight, t_interval(reached, lowest=0)))
     return rows
@@ -130,11 +128,3 @@ def _bounds(pool: Pool, entry: Entry) -> tuple[Bound, ...]:
     if not entry.bounds:
         raise PoolError(f"pool {pool.name!r}: the bounds of {entry.layout}/{entry.name} have not been measured")
     return entry.bounds
-
-
-def _from_side(returns: NDArray[np.float64], sides: NDArray[np.int64], side: int) -> NDArray[np.float64]:
-    """Returns the mean of each episode over the seats from which it began on a side; both have the shape (E, 2)."""
-    there = sides == side
-    counts = there.sum(axis=1)
-    means: NDArray[np.float64] = (returns * there).sum(axis=1)[counts > 0] / counts[counts > 0]
-    return means

@@ -210,3 +210,20 @@ def _seated(block: Block, who: NDArray[np.int64], seats: NDArray[np.int64]) -> l
         for side in range(2):
             parties += seat_policies(policies, who[side], seats[side], mode, block.layout)
     return parties
+
+
+def points_from(returns: NDArray[np.float64], sides: NDArray[np.int64], side: int) -> NDArray[np.float64]:
+    """Returns what a pair's agent reached from a side, one mean per start state that it played from there.
+
+    A start state is played from both seats; on a floor of one region both are the same side, and are no independent
+    episodes.
+
+    Args:
+        returns: (E, K) points.
+        sides: (E, K) side on which the agent started.
+        side: Which one is meant.
+    """
+    there = sides == side
+    number = there.sum(axis=1)
+    found: NDArray[np.float64] = (returns * there).sum(axis=1)[number > 0] / number[number > 0]
+    return found
