@@ -80,7 +80,7 @@ def needed(
     runs = [run for run in config.runs() if run.layout in places and (run.layout, run.name) not in held]
     unfinished = {(run.layout, run.group.quota) for run in runs}
     for layout in places:
-        for quota, number in config.quotas.items():
+        for quota, number in config.quotas_on(layout).items():
             if (layout, quota) in unfinished:
                 continue
             have = len(candidates(config, quota, layout, held, out))

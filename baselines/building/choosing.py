@@ -97,7 +97,8 @@ class Chooser:
         """
         pool, ledger = Pool.load(self.home / CANDIDATES), Ledger(self._file(layout))
         able, quotas = [], []
-        for quota in self.config.quotas:
+        wanted = {quota: number for quota, number in self.config.quotas_on(layout).items() if number}
+        for quota in wanted:
             for entry in candidates(self.config, quota, layout, held, out):
                 able.append(self._player(entry, pool))
                 quotas.append(quota)
@@ -128,7 +129,7 @@ class Chooser:
                 for player, quota, habit, own in zip(able, quotas, habits, means.diagonal(), strict=True)
             ],
             similarity(means, _ceilings(rough)),
-            self.config.quotas,
+            wanted,
         )
         partners = [able[i] for i in choice.chosen]
         bounds = self._bounds(layout, partners, [*outside, *partners], self.effort.final, ledger)

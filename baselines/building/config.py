@@ -50,6 +50,7 @@ class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         cooking: Cooking mode of all agents.
         scripted: Partners beside the trained ones.
         quotas: How many candidates of each quota are chosen on each layout; none if all agents enter the pool.
+        quotas_by_layout: Other numbers on single layouts.
         responders: Pools whose agents are tried as responders, beside scripted agents and the pool's own ones, to find
             what can be reached with a partner.
     """
@@ -61,11 +62,13 @@ class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     cooking: Literal["auto", "manual"] = "auto"
     scripted: tuple[ScriptedPartner, ...] = ()
     quotas: dict[str, int] = {}
+    quotas_by_layout: dict[str, dict[str, int]] = {}
     responders: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         strange = sorted(
-            {*self.layouts, *(name for group in self.groups for name in _layouts_of(group))} - {*layout_names()}
+            {*self.layouts, *self.quotas_by_layout, *(name for group in self.groups for name in _layouts_of(group))}
+            - {*layout_names()}
         )
         if strange or not self.layouts or len(set(self.layouts)) < len(self.layouts):
             raise ValueError(
@@ -98,6 +101,17 @@ class PoolConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         for quota, number in self.quotas.items():
             if number < 1 or quota not in {asked_for for _, asked_for in asked}:
                 raise ValueError(f"quotas has {quota}: {number}; give a number from 1, and groups with this quota")
+        for layout, other in self.quotas_by_layout.items():
+            for quota, number in other.items():
+                if number < 0 or quota not in self.quotas:
+                    raise ValueError(
+                        f"quotas_by_layout, {layout}, has {quota}: {number}; give a number from 0 for one of "
+                        f"{', '.join(self.quotas) or 'none'}"
+                    )
+
+    def quotas_on(self, layout: str) -> dict[str, int]:
+        """Returns how many candidates of each quota are chosen on a layout."""
+        return {**self.quotas, **self.quotas_by_layout.get(layout, {})}
 
     @property
     def trained(self) -> str:

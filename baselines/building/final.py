@@ -85,5 +85,5 @@ def is_complete(config: PoolConfig, pool: Path) -> bool:
         else:
             return False
     floors = sum(not one.quota for one in config.scripted)
-    wanted = Counter({(layout, quota): n for layout in config.layouts for quota, n in config.quotas.items()})
+    wanted = Counter({(layout, quota): n for layout in config.layouts for quota, n in config.quotas_on(layout).items()})
     return found == wanted + Counter({(layout, ""): floors for layout in config.layouts})

@@ -98,6 +98,10 @@ SCRIPTED: Final[dict[str, Scripted]] = {
         "plates and serves, cooks only if the partner does not; hands onions over at the top, dishes in the middle",
         version=2,
     ),
+    "plates_first": _greedy(
+        Habits(job="early", pause=0.2, food_over="bottom", dish_over="middle"),
+        "fetches dishes early and pauses in every fifth step; hands onions over at the bottom, dishes in the middle",
+    ),
 }
 """The scripted agents by name."""
 

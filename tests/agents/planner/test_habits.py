@@ -14,7 +14,7 @@ from overcooked_bench.kitchen.tracks.ring import find_middle, laps
 
 EPISODES = 6
 CONNECTED = ("cramped_room", "asymmetric_advantages", "coordination_ring", "counter_circuit")
-WITH_HABITS = ("hesitant", "counter_passer", "clockwise", "anticlockwise", "waiter")
+WITH_HABITS = ("hesitant", "counter_passer", "clockwise", "anticlockwise", "waiter", "plates_first")
 
 
 class Seen(NamedTuple):
@@ -51,7 +51,10 @@ def watch(layout, *names):
 
 @pytest.mark.parametrize(
     ("name", "onions", "dishes"),
-    [("hesitant", 2, 3), ("counter_passer", 2, 1), ("clockwise", 1, 3), ("anticlockwise", 3, 1), ("waiter", 1, 2)],
+    [
+        *(("hesitant", 2, 3), ("counter_passer", 2, 1), ("clockwise", 1, 3)),
+        *(("anticlockwise", 3, 1), ("waiter", 1, 2), ("plates_first", 3, 2)),
+    ],
 )
 def test_objects_go_over_the_usual_counters(name, onions, dishes):
     seen = watch("forced_coordination", name, name)

@@ -45,6 +45,15 @@ def test_further_seeds_of_a_quotas_groups_are_trained_in_turn_until_it_can_be_me
     assert {run.seed for run in config.further(LAYOUT, "many")}.isdisjoint(run.seed for run in config.runs())
 
 
+def test_a_quota_may_be_another_one_on_a_layout(tmp_path):
+    config, held = config_of_two(tmp_path, quotas_by_layout={LAYOUT: {"many": 4, "one": 0}, RING: {"many": 2}}), {}
+    assert config.quotas_on(RING) == {"many": 2, "one": 1}
+    finish(held, config.runs())
+    assert finish(held, needed(config, held)) == [f"{LAYOUT}/a-1"]  # three of four
+    assert finish(held, needed(config, held, out={(LAYOUT, "c-0"), (RING, "b-0")})) == [f"{LAYOUT}/b-1"]
+    assert needed(config, held, out={(LAYOUT, "c-0"), (RING, "b-0")}) == []
+
+
 def test_a_quota_that_no_further_seed_can_meet_is_an_error(tmp_path):
     config, held = config_of_two(tmp_path), {}
     assert {run.name for run in config.further(LAYOUT, "many") if run.group.prefix == "b"} == {"b-1"}, "c begins there"

@@ -1,3 +1,4 @@
+from collections import Counter
 from dataclasses import asdict
 
 import pytest
@@ -64,6 +65,13 @@ def test_every_run_follows_from_the_file(tmp_path):
         ([group(quota="x")], {"quotas": {"x": 0}}, "quotas has x: 0"),
         ([group(quota="x")], {"quotas": {"x": 1}, "scripted": [{"name": "greedy"}]}, "'', which greedy is"),
         ([group(quota="x", keep=["final", "early"], snapshots=[0.5])], {"quotas": {"x": 1}}, "one kind to candidates"),
+        (
+            [group(quota="x")],
+            {"quotas": {"x": 1}, "quotas_by_layout": {"cramped_room": {"y": 1}}},
+            "quotas_by_layout, cramped_room, has y: 1; give a number from 0 for one of x",
+        ),
+        ([group(quota="x")], {"quotas": {"x": 1}, "quotas_by_layout": {"cramped_room": {"x": -1}}}, "has x: -1"),
+        ([group(quota="x")], {"quotas": {"x": 1}, "quotas_by_layout": {"ring": {"x": 1}}}, "choose among .*cramped"),
         ([group()], {"extends": "train-v2"}, "did you mean 'train-v1'"),
         ([group()], {"extends": "v1-twin"}, "a configuration that extends no other one"),
     ],
@@ -85,6 +93,7 @@ def test_every_run_follows_from_the_file(tmp_path):
         ),
         *("prefix", "seeds", "key", "layout", "no-layouts", "by-layout", "no-groups", "cooking"),
         *("negative", "count-layout", "no-quotas", "no-quota", "nobody", "no-number", "script", "kinds"),
+        *("quota-elsewhere", "less-than-none", "quota-layout"),
         *("no-base", "twin-of-a-twin"),
     ],
 )
@@ -125,10 +134,23 @@ def test_the_pools_are_as_large_as_they_should_be():
     assert sizes["train-v1"] == {"cramped_room": 16, "counter_circuit": 16}
 
 
+def test_v1_has_partners_of_four_origins_and_twice_the_candidates_where_conventions_matter():
+    config = load_pool_config("v1")
+    strata = {group.quota: group.stratum for group in config.groups} | {"scripted": "scripted"}
+    for layout in config.layouts:
+        wanted, trained = Counter(), Counter()
+        for quota, number in config.quotas_on(layout).items():
+            wanted[strata[quota]] += number
+        for run in config.runs():
+            trained[run.group.stratum] += run.layout == layout
+        assert wanted == {"own": 12, "other-trainers": 8, "human": 6, "scripted": 6}
+        assert trained.total() >= (1 if layout in ("cramped_room", "asymmetric_advantages") else 2) * 26
+
+
 def test_a_twin_has_the_recipe_and_none_of_the_seeds():
     original, twin, other = load_pool_config("v1"), *(load_pool_config("v1-twin", salt) for salt in ("a", "b"))
     assert (twin.name, twin.namespace, twin.trained) == ("v1-twin", "v1-twin/a", "v1-twin-candidates")
-    assert twin.quotas == original.quotas
+    assert (twin.quotas, twin.quotas_by_layout) == (original.quotas, original.quotas_by_layout)
     runs = [config.runs() for config in (original, twin, other)]
     for ours, theirs in zip(*runs[:2], strict=True):
         assert (ours.path, ours.settings, ours.group) == (theirs.path, theirs.settings, theirs.group)
