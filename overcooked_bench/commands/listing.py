@@ -110,7 +110,8 @@ def _protocols() -> Iterator[Line]:
 def _played(protocol: "Protocol") -> str:
     play = protocol.play
     return (
-        f"version {protocol.version} ({protocol.sha256[:8]}): pool {play.pool}, {len(play.layouts)} layouts, "
+        f"version {protocol.version} ({protocol.sha256[:8]}): pool {play.pool or 'as given'}, "
+        f"{len(play.layouts)} layouts, "
         f"{play.episodes} episodes of {play.horizon} steps per partner and seat"
     )
 

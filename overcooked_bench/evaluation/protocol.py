@@ -1,9 +1,9 @@
 """`Protocol`: the file that fixes what is played and how it is scored.
 
-    name: dev
+    name: v1
     version: 1
-    play: {pool: dev-v0, layouts: [cramped_room], ...}
-    report: {thresholds: [1, 3, 5]}
+    play: {pool: v1, pool_sha256: 44d9..., layouts: [cramped_room], ...}
+    report: {headlines: [n, h50], thresholds: [1, 2, 3, 5], ...}
 
 Start states and random streams depend on `play` alone, so the report can change without changing any game. A new
 protocol is one file in `protocols/`.
@@ -15,14 +15,16 @@ import re
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
+from pkgutil import iter_modules
 from typing import Any, Final, Literal
 
 import msgspec
 
-from overcooked_bench.documents import LONGEST, parse_yaml
+from overcooked_bench.documents import LONGEST, Document, parse_yaml
 from overcooked_bench.errors import WrongUse
+from overcooked_bench.evaluation import metrics
 from overcooked_bench.files import check_name, read_text
-from overcooked_bench.shelf import Shelf
+from overcooked_bench.shelf import Shelf, guess
 
 NEWEST: Final = "dev"
 """The default protocol."""
@@ -64,6 +66,9 @@ class Play(_Part, frozen=True, kw_only=True):
         episodes: Start states per partner, 10,000 at most; each is played from every seat.
         mode: How frozen policies act, "sample" or "greedy".
         salt: The public salt, mixed into every random stream and into the order of the rows.
+        pool_sha256: Hash of the pool; another pool of the same name is refused. Protocols that rank have it.
+        per_stratum: Partners of each stratum, those of greatest weight, and no floors; None for all that the pool has.
+        self_play: Episodes of the scored agent with itself on each layout, with each training run.
     """
 
     pool: str | None
@@ -76,8 +81,12 @@ class Play(_Part, frozen=True, kw_only=True):
     episodes: int
     mode: Literal["sample", "greedy"]
     salt: str
+    pool_sha256: str | None = None
+    per_stratum: int | None = None
+    self_play: int = 0
 
     def __post_init__(self) -> None:
+        few = self.per_stratum is None or self.per_stratum >= 1
         _check(
             ("pool", self.pool, self.pool is None or bool(self.pool.strip()), "the name or folder of a pool, or null"),
             ("layouts", self.layouts, 0 < len(set(self.layouts)) == len(self.layouts), "at least one, each once"),
@@ -86,6 +95,9 @@ class Play(_Part, frozen=True, kw_only=True):
             ("seats", self.seats, 0 < len(set(self.seats)) == len(self.seats), "[0, 1], [0] or [1]"),
             ("episodes", self.episodes, 1 <= self.episodes <= MOST_EPISODES, f"a number from 1 to {MOST_EPISODES:,}"),
             ("salt", self.salt, is_text(self.salt), "a text"),
+            ("pool_sha256", self.pool_sha256, self.pool_sha256 is None or _is_hash(self.pool_sha256), _HASH),
+            ("per_stratum", self.per_stratum, few, "a number of partners from 1"),
+            ("self_play", self.self_play, 0 <= self.self_play <= MOST_EPISODES, f"a number to {MOST_EPISODES:,}"),
         )
 
     @property
@@ -99,18 +111,96 @@ class Play(_Part, frozen=True, kw_only=True):
         }
 
 
+class Suite(_Part, frozen=True, kw_only=True):
+    """The cooperation scenarios that a score is shown with.
+
+    Attributes:
+        name: Name of the suite.
+        sha256: Its hash; a score with another suite says so.
+    """
+
+    name: str
+    sha256: str
+
+    def __post_init__(self) -> None:
+        _check(("name", self.name, is_text(self.name), "a text"), ("sha256", self.sha256, _is_hash(self.sha256), _HASH))
+
+
+class OrderedReport(_Part, frozen=True, kw_only=True):
+    """How ordered curves are summarised over training seeds.
+
+    Attributes:
+        band: The two quantiles around the mean curve.
+        quantile: The quantile that is the worst-case view.
+        quantile_band: The two quantiles around it; 0 is the minimum.
+        positions: Shares of the partners at which a table reads the worst-case curve, ascending.
+
+    Source: the thesis, 7.2 and Table 7.3.
+    """
+
+    band: tuple[float, float]
+    quantile: float
+    quantile_band: tuple[float, float]
+    positions: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        def within(*shares: float) -> bool:
+            return list(shares) == sorted({*shares}) and all(0 <= share <= 1 for share in shares)
+
+        low, high = self.quantile_band
+        _check(
+            ("band", self.band, within(*self.band), "two quantiles from 0 to 1, ascending"),
+            ("quantile", self.quantile, 0 < self.quantile < 1, "a number between 0 and 1"),
+            ("quantile_band", self.quantile_band, within(low, self.quantile, high), "one below `quantile`, one above"),
+            (
+                "positions",
+                self.positions,
+                bool(self.positions) and within(*self.positions),
+                "shares from 0 to 1, ascending",
+            ),
+        )
+
+
 class Report(_Part, frozen=True, kw_only=True):
     """How the games are scored; it changes none of them.
 
     Attributes:
         thresholds: Numbers of soups that a partner's mean return is compared with, in soups of the layout's own value.
+        metrics: Names of the metrics; all that the data allow if empty.
+        headlines: Those of them that scores are compared by; the first one ranks. The mean return if empty.
+        ranked: Whether scores may be ranked at all.
+        estimators: "plain": Student's t over training seeds, or over the episode blocks of a single one. "repaired":
+            the same with least variances for counts and single partners, and over partners for a single training run;
+            see `estimators.py`.
+        scenarios: The suite of cooperation scenarios; null for the shipped one, whatever it is.
+        reference: The agent that every table shows beside the scored one.
+        criterion: The shipped protocol whose mean return is a further column, where the agent was scored with it.
+        ordered: How ordered curves are summarised over training seeds, in `crossplay`.
     """
 
     thresholds: tuple[float, ...]
+    metrics: tuple[str, ...] = ()
+    headlines: tuple[str, ...] = ()
+    ranked: bool = True
+    estimators: Literal["plain", "repaired"] = "plain"
+    scenarios: Suite | None = None
+    reference: str | None = None
+    criterion: str | None = None
+    ordered: OrderedReport | None = None
 
     def __post_init__(self) -> None:
         right = all(0 < soups < math.inf for soups in self.thresholds)
-        _check(("thresholds", self.thresholds, right, "numbers of soups above 0"))
+        listed = set(self.headlines) <= set(self.metrics or self.headlines)
+        _check(
+            ("thresholds", self.thresholds, right, "numbers of soups above 0"),
+            ("metrics", self.metrics, len(set(self.metrics)) == len(self.metrics), "each once"),
+            ("headlines", self.headlines, listed, "names that are among the metrics"),
+        )
+
+    @property
+    def headline(self) -> str:
+        """The metric that ranks."""
+        return self.headlines[0] if self.headlines else "mean"
 
 
 class Protocol(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -178,7 +268,36 @@ def read_protocol(text: str, where: str) -> Protocol:
             f"a protocol has the keys {', '.join(Protocol.__struct_fields__)}; write {inner} "
             "below play, thresholds below report. Scripted partners and floors are in the pool's manifest now",
         )
-    return document.convert(Protocol)
+    protocol = document.convert(Protocol)
+    _check_names(document, protocol)
+    return protocol
+
+
+def _check_names(document: Document, protocol: Protocol) -> None:
+    """Checks what only a file has to keep, since stored protocols may be of another version of the package.
+
+    Raises:
+        ProtocolError: A metric or a protocol is unknown, or a protocol that ranks does not say which pool it means.
+    """
+    play, report = protocol.play, protocol.report
+    known = sorted(info.name for info in iter_modules(metrics.__path__))
+    for key, given in (("metrics", report.metrics), ("headlines", report.headlines)):
+        for index, name in enumerate(given):
+            if name not in known:
+                raise document.error(
+                    ("report", key, index), f"no metric {name!r}; {guess(name, known)}metrics are {', '.join(known)}"
+                )
+    if report.criterion is not None and report.criterion not in (names := protocol_names()):
+        raise document.error(
+            ("report", "criterion"),
+            f"no protocol {report.criterion!r}; {guess(report.criterion, names)}shipped are {', '.join(names)}",
+        )
+    if report.headlines and play.pool is not None and play.pool_sha256 is None:
+        raise document.error(
+            ("play", "pool"),
+            f"missing key `pool_sha256`: a protocol with headlines says which content of the pool {play.pool!r} it "
+            "means; write the hash from the pool's manifest.json",
+        )
 
 
 def upgrade(settings: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -212,6 +331,13 @@ def _check(*keys: tuple[str, Any, bool, str]) -> None:
     for key, value, right, wanted in keys:
         if not right:
             raise ProtocolError(f"{key} is {list(value) if isinstance(value, tuple) else value!r}; give {wanted}")
+
+
+_HASH: Final = "a SHA-256, 64 hexadecimal digits"
+
+
+def _is_hash(text: str) -> bool:
+    return re.fullmatch("[0-9a-f]{64}", text) is not None
 
 
 def is_text(text: str) -> bool:

@@ -71,12 +71,69 @@ def test_a_file_is_read(tmp_path):
         ({"thresholds": None}, "report"),
         ({"name": "../../x"}, "name is '../../x'"),
         ({"version": -1}, "version is -1"),
+        ({"pool_sha256": "abc"}, "pool_sha256 is 'abc'; give a SHA-256, 64 hexadecimal digits"),
+        ({"per_stratum": 0}, "per_stratum is 0; give a number of partners from 1"),
+        ({"self_play": -1}, "self_play is -1"),
         ({"name": "{"}, "not YAML"),
     ],
 )
 def test_a_wrong_key_is_named_with_the_file(changes, words):
     with pytest.raises(ProtocolError, match=rf"^tiny.yaml:\d+: .*{words}"):
         read_protocol(protocol_text(**changes), "tiny.yaml")
+
+
+def with_report(*lines):
+    """A protocol file with further lines in its report; the first of them is line 17."""
+    return protocol_text(pool_sha256="0" * 63 + "a") + "".join(f"  {line}\n" for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        (["metrics: [mean, n]", "headlines: [mean, tail_mean]"], r"18: headlines is .*among the metrics"),
+        (["metrics:", "    - mean", "    - meen"], r"19: no metric 'meen'; did you mean 'mean'"),
+        (["headlines: [mean, mean_]"], r"17: no metric 'mean_'"),
+        (["metrics: [mean, mean]"], r"17: metrics is .*each once"),
+        (["estimators: bayesian"], r"17: Invalid enum value 'bayesian' - at key `report.estimators`"),
+        (["criterion: peeple"], r"17: no protocol 'peeple'; did you mean 'people'"),
+        (["scenarios: {name: unit_scenarios}"], r"17: missing key `sha256`"),
+        (["scenarios: {name: unit_scenarios, sha256: 12}"], r"17: .*`report.scenarios.sha256`"),
+        (["scenarios:", "    name: a", "    sha256: beef"], r"19: sha256 is 'beef'; give a SHA-256"),
+        (["ordered:", "    quantile: 0.15"], r"17: missing key `band`"),
+        (
+            ["ordered:", "    {band: [0.75, 0.25], quantile: 0.15, quantile_band: [0, 0.3], positions: [1]}"],
+            r"18: band is .*ascending",
+        ),
+        (
+            ["ordered:", "    {band: [0, 1], quantile: 0.5, quantile_band: [0, 0.3], positions: [1]}"],
+            r"18: quantile_band is .*one below `quantile`, one above",
+        ),
+        (
+            ["ordered:", "    {band: [0, 1], quantile: 0.15, quantile_band: [0, 0.3], positions: [50]}"],
+            r"18: positions is \[50.0\]; give shares from 0 to 1",
+        ),
+    ],
+)
+def test_what_a_report_cannot_say_is_an_error_with_its_line(lines, words):
+    with pytest.raises(ProtocolError, match=rf"^tiny.yaml:{words}"):
+        read_protocol(with_report(*lines), "tiny.yaml")
+
+
+def test_a_protocol_with_headlines_says_which_pool_it_means():
+    ranks = with_report("headlines: [mean]")
+    assert read_protocol(ranks, "tiny.yaml").report.headline == "mean"
+    with pytest.raises(ProtocolError, match=r"tiny.yaml:9: missing key `pool_sha256`.*manifest.json"):
+        read_protocol(re.sub("  pool_sha256.*\n", "", ranks), "tiny.yaml")
+    anywhere = re.sub("  pool: .*\n", "  pool: null\n", re.sub("  pool_sha256.*\n", "", ranks))
+    assert read_protocol(anywhere, "tiny.yaml").play.pool is None
+
+
+def test_the_thesis_is_a_protocol():
+    protocol = load_protocol("thesis")
+    ordered = protocol.report.ordered
+    assert (ordered.band, ordered.quantile, ordered.quantile_band) == ((0.25, 0.75), 0.15, (0.0, 0.3))
+    assert ordered.positions == (0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
+    assert protocol.play.pool is None
 
 
 FLAT = """
