@@ -8,6 +8,7 @@ from overcooked_bench.evaluation.games.again import play_again
 from overcooked_bench.evaluation.games.asking import Answer, ask_block
 from overcooked_bench.evaluation.games.block import Block, Outcome, play_block
 from overcooked_bench.evaluation.games.engines import Engine
+from overcooked_bench.evaluation.games.episode import BlockKey
 from overcooked_bench.evaluation.games.store import Store
 from overcooked_bench.evaluation.games.workers import NO_ANSWER
 from overcooked_bench.evaluation.scores import Declined
@@ -76,47 +77,49 @@ def play_blocks(
         StoreError: A block cannot be written; those before it are in the store.
     """
     before = store.blocks()
+    there = {block.keys for block in blocks if before.issuperset(block.keys)}
     layouts = list(dict.fromkeys(block.layout for block in blocks))
     adapted = dict.fromkeys(store.adapted(), True) | dict.fromkeys({key[0] for key in before} - store.adapted(), False)
-    faults: dict[tuple[str, int, int], str] = {}
+    faults: dict[tuple[BlockKey, ...], str] = {}
     declined: dict[str, str] = {}
     first = {block.layout: block for block in reversed(blocks)}
     questions = [first[layout] for layout in layouts if layout not in adapted]
     for answer in engine.map(ask_block, questions, _unanswered, act_timeout):
         if answer.fault is not None:
-            faults[first[answer.layout].key] = answer.fault
+            faults[first[answer.layout].keys] = answer.fault
         elif answer.declined is not None:
             declined[answer.layout] = answer.declined
         else:
             adapted[answer.layout] = answer.adapted
     wanted = [block for block in blocks if block.layout in adapted]
-    to_play = [replace(block, adapted=adapted[block.layout]) for block in wanted if block.key not in before]
+    to_play = [replace(block, adapted=adapted[block.layout]) for block in wanted if block.keys not in there]
     done, episodes = len(wanted) - len(to_play), 0
     overdue: set[tuple[str, int]] = set()
     differs = None
     for found in engine.map(play_again, to_play[:1] if again else (), _lost, act_timeout):
         if isinstance(found, Outcome):
-            faults[found.key] = found.fault or ""
-            overdue |= {found.key[:2]} if NO_ANSWER in faults[found.key] else set()
+            faults[found.block.keys] = found.fault or ""
+            overdue |= _overdue(found)
         else:
             differs = found
-    going = (block for block in to_play if block.key[:2] not in overdue)
+    going = (block for block in to_play if (block.layout, block.training_seed) not in overdue)
     for outcome in engine.map(play_block, going, _lost, act_timeout):
+        block = outcome.block
         if outcome.fault is not None:
-            faults[outcome.key] = outcome.fault
-            overdue |= {outcome.key[:2]} if NO_ANSWER in outcome.fault else set()
+            faults[block.keys] = outcome.fault
+            overdue |= _overdue(outcome)
         else:
-            store.add_block(outcome.key, outcome.episodes, adapted[outcome.key[0]])
+            store.add_blocks(outcome.by_key, block.adapted)
             episodes += len(outcome.episodes)
         done += 1
-        on_progress(Progress(outcome.key[0], done, len(wanted), episodes))
-    there = store.blocks()
-    missing = {block.layout for block in blocks if block.key not in there}
+        on_progress(Progress(block.layout, done, len(wanted), episodes))
+    after = store.blocks()
+    missing = {block.layout for block in blocks if not after.issuperset(block.keys)}
     return Played(
         episodes=episodes,
         finished=tuple(layout for layout in layouts if layout not in missing),
         declined=tuple(Declined(layout, declined[layout]) for layout in layouts if layout in declined),
-        faults=tuple(dict.fromkeys(one_line(faults[block.key]) for block in blocks if block.key in faults)),
+        faults=tuple(dict.fromkeys(one_line(faults[block.keys]) for block in blocks if block.keys in faults)),
         differs=differs,
     )
 
@@ -134,8 +137,13 @@ def summary_of(faults: Sequence[str], most: int = 10) -> list[str]:
 
 def _lost(block: Block, why: str) -> Outcome:
     """Blames the agent for a block whose worker process died or was overdue."""
-    where = f"{block.layout}, training seed {block.training_seed}, episode {block.episode}"
-    return Outcome(block.key, fault=f"{where}: {why}")
+    return Outcome(block, fault=f"{block.cell}: {why}")
+
+
+def _overdue(outcome: Outcome) -> set[tuple[str, int]]:
+    """Returns the layout and training seed of a block that was given up, as its agent did not answer in time."""
+    late = outcome.fault is not None and NO_ANSWER in outcome.fault
+    return {(outcome.block.layout, outcome.block.training_seed)} if late else set()
 
 
 def _unanswered(block: Block, why: str) -> Answer:

@@ -19,6 +19,7 @@ from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.evaluation.cells import PartnerLabel, pack_labels
 from overcooked_bench.evaluation.games.asking import identify
 from overcooked_bench.evaluation.games.block import Block
+from overcooked_bench.evaluation.games.cutting import cut
 from overcooked_bench.evaluation.games.engines import Engine, open_engine
 from overcooked_bench.evaluation.games.replayed import check_returns
 from overcooked_bench.evaluation.games.roster import check_pool, roster
@@ -152,23 +153,19 @@ def score(
         home = str(partners.folder.absolute())
         with Store(folder / EPISODES_FILE, facts, notes) as store:
             check_returns(store, play.cooking, play.horizon)
-            blocks = [
-                Block(
-                    agent=entrant.reference,
-                    agent_sha256=entrant.sha256,
-                    protocol=rules,
-                    pool=home,
-                    pool_sha256=partners.hash,
-                    salt=used,
-                    seed=seed,
-                    layout=layout,
-                    training_seed=run,
-                    episode=episode,
-                )
-                for episode in range(play.episodes)
-                for run in range(entrant.training_seeds)
-                for layout in chosen
-            ]
+            first = Block(
+                agent=entrant.reference,
+                agent_sha256=entrant.sha256,
+                protocol=rules,
+                pool=home,
+                pool_sha256=partners.hash,
+                salt=used,
+                seed=seed,
+                layout=chosen[0],
+                training_seed=0,
+                episodes=(0,),
+            )
+            blocks = cut(first, partners, chosen, entrant.training_seeds)
             items = None
             played = play_blocks(store, blocks, opened, act_timeout, on_progress, again=untrusted)
             if scenarios:

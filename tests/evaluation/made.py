@@ -56,7 +56,7 @@ def reporting(protocol, **report):
 
 
 def block(
-    protocol, agent="greedy", layout="cramped_room", pool=None, seed=0, training_seed=0, episode=0, salt="pepper"
+    protocol, agent="greedy", layout="cramped_room", pool=None, seed=0, training_seed=0, episodes=(0,), salt="pepper"
 ):
     pool = pool or SCRIPTED_POOL
     return Block(
@@ -69,7 +69,7 @@ def block(
         seed=seed,
         layout=layout,
         training_seed=training_seed,
-        episode=episode,
+        episodes=episodes,
     )
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.cli import main
+from overcooked_bench.evaluation.games import cutting
 from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.evaluation.protocol import read_protocol
 from overcooked_bench.evaluation.score import score
@@ -51,7 +52,8 @@ def test_state_that_outlives_a_block_is_reported(protocol, tmp_path, capsys):
     assert "warnings" not in honest.scores.run
 
 
-def test_a_hang_costs_its_layout_and_no_other(tmp_path):
+def test_a_hang_costs_its_layout_and_no_other(tmp_path, monkeypatch):
+    monkeypatch.setattr(cutting, "LEAST_ROWS", 4)  # a block for each start state
     rules = read_protocol(protocol_text(layouts=["cramped_room", "coordination_ring"], episodes=3), "p.yaml")
     act = "while self.layout == 'cramped_room': pass\n        return np.full(n, 4)"
     scores, folder, *_ = run(write_agent(tmp_path / "a.py", act=act), rules, tmp_path / "out", act_timeout=1)
@@ -73,7 +75,7 @@ def test_a_submission_that_breaks_what_others_use_is_at_fault(protocol, tmp_path
     """Partners fail of it, or the game itself does."""
     act = f"{patched} = lambda *_, **__: 1 / 0\n        return [4] * n"
     (fault, *_) = run(write_agent(tmp_path / "a.py", act=act), protocol, tmp_path / "out").scores.faults
-    assert re.match("cramped_room, training seed 0, episode 0.*does (this one|the agent) change.*", fault)
+    assert re.match("cramped_room, training seed 0, episodes 0 to 1.*does (this one|the agent) change.*", fault)
 
 
 @pytest.mark.parametrize(("when", "workers"), [("top", 1), ("act", 2)])

@@ -234,7 +234,7 @@ def test_a_layout_counts_once_all_training_seeds_have_played_it(seeds, finished,
     with Store(tmp_path / "episodes.sqlite", {"agent": "x"}, notes) as store:
         for key in product([0, 1], [0, 1]):
             store.add_block(
-                ("cramped_room", *key), play_block(block(protocol, training_seed=key[0], episode=key[1])).episodes
+                ("cramped_room", *key), play_block(block(protocol, training_seed=key[0], episodes=(key[1],))).episodes
             )
     assert len(recompute(tmp_path).layouts) == finished
 

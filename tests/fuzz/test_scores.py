@@ -48,8 +48,8 @@ def played(tmp_path_factory, tiny):
     notes["partners"] = '{"cramped_room": {"greedy": ["scripted", null], "random": ["scripted", "a"]}}'
     with Store(file, FACTS, notes) as store:
         for index in range(2):
-            outcome = play_block(block(tiny, episode=index))
-            store.add_block(outcome.key, outcome.episodes)
+            outcome = play_block(block(tiny, episodes=(index,)))
+            store.add_blocks(outcome.by_key)
     return file
 
 

@@ -20,10 +20,13 @@ ORDER = (
 def play_again(block: Block) -> str | None:
     """Plays a block, then plays it again with the agent's rows in reverse order; run it in a process of its own.
 
+    The block's first start state is enough for that.
+
     Returns:
         How the agent's play differs, in words that follow its name; None if it does not, or if it breaks the contract,
         which playing the block itself will show.
     """
+    block = replace(block, episodes=block.episodes[:1])
     first, turned = play_block(block), play_block(replace(block, turned=True))
     if not first.episodes or not turned.episodes or first.episodes == turned.episodes:
         return None

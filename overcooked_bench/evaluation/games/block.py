@@ -1,8 +1,11 @@
-"""The block, the unit of play: every partner of a layout from every seat, in one batch, for one start state each."""
+"""The block, the unit of play: every partner of a layout from every seat, in one batch, for some start states each.
 
-from collections.abc import Iterator, Sequence
+Axes: N rows of a batch: the start states one after the other, and for each of them every partner and seat.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -19,7 +22,7 @@ from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.agents.turned import Turned
 from overcooked_bench.agents.watch import LOADING, calling
 from overcooked_bench.errors import OvercookedBenchError
-from overcooked_bench.evaluation.games.episode import Episode, pack_actions, pack_state, side_of
+from overcooked_bench.evaluation.games.episode import BlockKey, Episode, pack_actions, pack_state, side_of
 from overcooked_bench.evaluation.games.play import Games, make_kitchens, play
 from overcooked_bench.evaluation.games.roster import Partner, pool_as_hashed, roster, seat_partners
 from overcooked_bench.evaluation.games.streams import Streams
@@ -44,7 +47,7 @@ class Block:
         seed: Of the whole score.
         layout: Where.
         training_seed: Which training run of the agent.
-        episode: Index of the start states.
+        episodes: Indices of the start states.
         adapted: Whether the agent is given the mirror image, as it asked for (`asking.py`).
         turned: Whether the agent is handed its rows in reverse order, see `again.py`.
     """
@@ -58,33 +61,61 @@ class Block:
     seed: int
     layout: str
     training_seed: int
-    episode: int
+    episodes: tuple[int, ...]
     adapted: bool = False
     turned: bool = False
 
-    @property
-    def streams(self) -> Streams:
-        """The random streams of its episodes."""
-        return Streams(self.protocol.sha256, self.salt, self.seed, self.layout, self.episode)
+    def streams(self, episode: int) -> Streams:
+        """Returns the random streams of a start state."""
+        return Streams(self.protocol.sha256, self.salt, self.seed, self.layout, episode)
 
     @property
-    def key(self) -> tuple[str, int, int]:
-        """(layout, training seed, episode)."""
-        return self.layout, self.training_seed, self.episode
+    def keys(self) -> tuple[BlockKey, ...]:
+        """(layout, training seed, episode) for each start state, as the store knows them."""
+        return tuple((self.layout, self.training_seed, episode) for episode in self.episodes)
+
+    @property
+    def cell(self) -> str:
+        """Which block this is, for messages."""
+        first, *others = self.episodes
+        which = f"s {first} to {others[-1]}" if others else f" {first}"
+        return f"{self.layout}, training seed {self.training_seed}, episode{which}"
 
 
 class Outcome(NamedTuple):
     """What became of a block.
 
     Attributes:
-        key: (layout, training seed, episode).
-        episodes: One for each partner and seat; empty where nothing was finished.
+        block: The block.
+        episodes: One for each start state, partner and seat; empty where nothing was finished.
         fault: What the agent did wrong, or None.
     """
 
-    key: tuple[str, int, int]
+    block: Block
     episodes: tuple[Episode, ...] = ()
     fault: str | None = None
+
+    @property
+    def by_key(self) -> Mapping[BlockKey, list[Episode]]:
+        """The episodes of each start state."""
+        found: dict[BlockKey, list[Episode]] = {key: [] for key in self.block.keys}
+        for episode in self.episodes:
+            found[episode.block].append(episode)
+        return found
+
+
+class _Rows(NamedTuple):
+    """Who plays in each row of the batch.
+
+    Attributes:
+        episodes: (N,) int64, index of the start state.
+        who: (N,) int64, index of the partner.
+        seats: (N,) int64, seat of the scored agent.
+    """
+
+    episodes: NDArray[np.int64]
+    who: NDArray[np.int64]
+    seats: NDArray[np.int64]
 
 
 def play_block(block: Block) -> Outcome:
@@ -104,97 +135,90 @@ def play_block(block: Block) -> Outcome:
         if not runs_code(block.agent):
             raise
         why = f"code outside of the agent failed ({describe(error)}): does the agent change what that code uses?"
-        return Outcome(block.key, fault=f"{_cell(block)}: {why}")
+        return Outcome(block, fault=f"{block.cell}: {why}")
 
 
 def _outcome(block: Block) -> Outcome:
     partners = roster(pool_as_hashed(block.pool, block.pool_sha256), block.layout)
-    who, seats = _deal(block, partners)
+    rows = _deal(block, partners)
     with one_thread():
         with calling("loading", LOADING):
             entrant = find_unchanged(block.agent, block.agent_sha256, block.protocol.play.mode)
         try:
-            games = _play(block, entrant.make, partners, who, seats)
+            games = _play(block, entrant.make, partners, rows)
         except UnknownLayout as error:
             why = f"it declines ({error}), although it plays this layout when asked before"
-            return Outcome(block.key, fault=f"{block.layout}, training seed {block.training_seed}: {why}")
+            return Outcome(block, fault=f"{block.layout}, training seed {block.training_seed}: {why}")
         except AgentError as error:
-            return Outcome(block.key, fault=f"{block.layout}, training seed {block.training_seed}: {error}")
+            return Outcome(block, fault=f"{block.layout}, training seed {block.training_seed}: {error}")
         except SeatedFault as fault:
             if fault.who != EGO and entrant.kind not in RUNS_CODE:  # a partner of ours
                 raise
-            return Outcome(block.key, fault=_blame(fault, block, partners, who, seats))
-    return Outcome(block.key, tuple(_episodes(block, partners, who, seats, games)))
+            return Outcome(block, fault=_blame(fault, block, partners, rows))
+    return Outcome(block, tuple(_episodes(block, partners, rows, games)))
 
 
-def _play(
-    block: Block,
-    make: AgentFactory,
-    partners: Sequence[Partner],
-    who: NDArray[np.int64],
-    seats: NDArray[np.int64],
-) -> Games:
+def _play(block: Block, make: AgentFactory, partners: Sequence[Partner], rows: _Rows) -> Games:
     rules, layout, adapted = block.protocol.play, block.layout, block.adapted
     pool = pool_as_hashed(block.pool, block.pool_sha256)
-    with _seeded(block.streams.of_process(block.training_seed)):
+    number = len(rows.who)
+    with _seeded(block.streams(block.episodes[0]).of_process(block.training_seed)):
         with calling("make_agent", LOADING):
             ego = make(layout.removesuffix(MIRRORED) if adapted else layout, block.training_seed)
         player = mirrored(ego) if adapted else ego
         parties = [
-            Seated(Turned(player) if block.turned else player, EGO, np.arange(len(who)), seats),
-            *seat_partners(partners, who, 1 - seats, pool, rules.mode, layout),
+            Seated(Turned(player) if block.turned else player, EGO, np.arange(number), rows.seats),
+            *seat_partners(partners, rows.who, 1 - rows.seats, pool, rules.mode, layout),
         ]
-        kitchens = make_kitchens(layout, len(who), parties, **rules.kitchens)
-        streams = block.streams
-        starts = np.array([streams.start(partner.sha256) for partner in partners], np.uint64)
-        kitchens.reset(seed=starts[who])
-        return play(kitchens, parties, streams.seeds([partners[index].sha256 for index in who], seats))
+        kitchens = make_kitchens(layout, number, parties, **rules.kitchens)
+        hashes = [partner.sha256 for partner in partners]
+        starts, seeds = np.empty(number, np.uint64), np.empty((number, 2), np.uint64)
+        for episode in block.episodes:
+            streams, here = block.streams(episode), rows.episodes == episode
+            starts[here] = np.array([streams.start(sha256) for sha256 in hashes], np.uint64)[rows.who[here]]
+            seeds[here] = streams.seeds([hashes[index] for index in rows.who[here]], rows.seats[here])
+        kitchens.reset(seed=starts)
+        return play(kitchens, parties, seeds)
 
 
-def _episodes(
-    block: Block, partners: Sequence[Partner], who: NDArray[np.int64], seats: NDArray[np.int64], games: Games
-) -> Iterator[Episode]:
-    """Lays the rows out as episodes, by partner and seat."""
+def _episodes(block: Block, partners: Sequence[Partner], rows: _Rows, games: Games) -> Iterator[Episode]:
+    """Lays the rows out as episodes, by start state, partner and seat."""
     layout = Layout.load(block.layout)
-    for row in np.lexsort((seats, who)):
-        partner, mine, theirs = partners[who[row]], int(seats[row]), 1 - int(seats[row])
+    for row in np.lexsort((rows.seats, rows.who, rows.episodes)):
+        partner, mine = partners[rows.who[row]], int(rows.seats[row])
         yield Episode(
-            *(block.layout, block.training_seed, block.episode, partner.name, mine),
+            *(block.layout, block.training_seed, int(rows.episodes[row]), partner.name, mine),
             side=side_of(layout, games.starts[row], mine),
             partner_sha256=partner.sha256,
             kind=partner.kind,
             soup_reward=float(games.soup_reward[row].sum()),
             ego_partial_reward=float(games.partial_reward[row, mine]),
-            partner_partial_reward=float(games.partial_reward[row, theirs]),
+            partner_partial_reward=float(games.partial_reward[row, 1 - mine]),
             ego_soups=int(games.soups[row, mine]),
-            partner_soups=int(games.soups[row, theirs]),
+            partner_soups=int(games.soups[row, 1 - mine]),
             start=pack_state(games.starts[row]),
             actions=pack_actions(games.actions[:, row]),
         )
 
 
-def _deal(block: Block, partners: Sequence[Partner]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Deals the rows: (N,) partner and (N,) seat of the scored agent, in an order that depends on nobody's hash."""
+def _deal(block: Block, partners: Sequence[Partner]) -> _Rows:
+    """Deals the rows of each start state in an order of its own, which depends on nobody's hash."""
     hands = [(index, seat) for index in range(len(partners)) for seat in sorted(block.protocol.play.seats)]
-    who, seats = np.array([hands[k] for k in block.streams.order(len(hands))], np.int64).T
-    return np.ascontiguousarray(who), np.ascontiguousarray(seats)
+    dealt = [(e, *hands[k]) for e in block.episodes for k in block.streams(e).order(len(hands))]
+    return _Rows(*np.ascontiguousarray(np.array(dealt, np.int64).T))
 
 
-def _blame(
-    fault: SeatedFault, block: Block, partners: Sequence[Partner], who: NDArray[np.int64], seats: NDArray[np.int64]
-) -> str:
+def _blame(fault: SeatedFault, block: Block, partners: Sequence[Partner], rows: _Rows) -> str:
+    cell = block.cell
     if fault.who != EGO:
         where = f"partner {fault.who}, which fails beside no other agent: does this one change what both use?"
     elif fault.row is None:
         names, every = ", ".join(partner.name for partner in partners), sorted(block.protocol.play.seats)
         where = f"partners {names} (one call plays them all), seats {' and '.join(map(str, every))}"
     else:
-        where = f"partner {partners[who[fault.row]].name}, seat {seats[fault.row]}"
-    return f"{_cell(block)}, {where}, {fault.when}: {fault.what}"
-
-
-def _cell(block: Block) -> str:
-    return f"{block.layout}, training seed {block.training_seed}, episode {block.episode}"
+        cell = replace(block, episodes=(int(rows.episodes[fault.row]),)).cell
+        where = f"partner {partners[rows.who[fault.row]].name}, seat {rows.seats[fault.row]}"
+    return f"{cell}, {where}, {fault.when}: {fault.what}"
 
 
 @contextmanager

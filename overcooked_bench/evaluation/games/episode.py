@@ -20,8 +20,8 @@ from overcooked_bench.kitchen.state import KitchenState
 KEY: Final = ("layout", "training_seed", "episode", "partner", "seat")
 """What identifies an episode within a score; the first three identify its block."""
 
-Block = tuple[str, int, int]
-"""(layout, training seed, episode)."""
+BlockKey = tuple[str, int, int]
+"""(layout, training seed, episode): one start state, with every partner from every seat."""
 
 Count = Annotated[int, Meta(ge=0)]
 Points = Annotated[float, Meta(gt=-1e12, lt=1e12)]
@@ -65,7 +65,7 @@ class Episode(msgspec.Struct, frozen=True, array_like=True, gc=False):
     actions: bytes
 
     @property
-    def block(self) -> Block:
+    def block(self) -> BlockKey:
         """The block that it was played in."""
         return self.layout, self.training_seed, self.episode
 
@@ -137,7 +137,7 @@ def read_row(row: Iterable[Any]) -> Episode:
         raise ValueError(f"{where}, in the column {COLUMNS[int(path.rstrip(']`'))]!r}") from error
 
 
-def checksum(block: Block, adapted: bool, episodes: Iterable[Episode]) -> str:
+def checksum(block: BlockKey, adapted: bool, episodes: Iterable[Episode]) -> str:
     """Computes the SHA-256 of a block: of its key, of `adapted`, and of all columns of its episodes in their order."""
     rows = sorted(episodes, key=lambda episode: (episode.partner, episode.seat))
     return hashlib.sha256(msgspec.msgpack.encode([block, adapted, rows])).hexdigest()

@@ -1,6 +1,7 @@
 """The store of a score: every episode of every finished block, in SQLite.
 
-A block is written in one transaction, so that a process may be killed at any moment and the next one continues.
+Each start state is a block of its own here; those that were played in one batch are written in one transaction, so that
+a process may be killed at any moment and the next one continues with the same batches.
 What is read is never trusted: a store may have been damaged, edited or downloaded.
 """
 
@@ -16,7 +17,7 @@ from urllib.parse import quote
 import msgspec
 
 from overcooked_bench.errors import WrongUse
-from overcooked_bench.evaluation.games.episode import COLUMNS, KEY, Block, Episode, checksum, read_row, sql_columns
+from overcooked_bench.evaluation.games.episode import COLUMNS, KEY, BlockKey, Episode, checksum, read_row, sql_columns
 from overcooked_bench.evaluation.games.store_upgrades import UPGRADES
 
 SCHEMA: Final = "2"
@@ -86,7 +87,7 @@ class Store:
         """Closes the file."""
         self._connection.close()
 
-    def blocks(self) -> set[Block]:
+    def blocks(self) -> set[BlockKey]:
         """Lists the finished blocks: (layout, training seed, episode)."""
         with self._guarded(_DAMAGED):
             return set(self._connection.execute(f"SELECT {', '.join(KEY[:3])} FROM blocks"))
@@ -96,23 +97,28 @@ class Store:
         with self._guarded(_DAMAGED):
             return {layout for (layout,) in self._connection.execute("SELECT layout FROM blocks WHERE adapted")}
 
-    def add_block(self, block: Block, episodes: Iterable[Episode], adapted: bool = False) -> None:
-        """Writes a finished block at once; a block that is there already is left alone.
+    def add_block(self, block: BlockKey, episodes: Iterable[Episode], adapted: bool = False) -> None:
+        """Writes a finished block; see `add_blocks`."""
+        self.add_blocks({block: episodes}, adapted)
+
+    def add_blocks(self, blocks: Mapping[BlockKey, Iterable[Episode]], adapted: bool = False) -> None:
+        """Writes finished blocks at once, all or none; a block that is there already is left alone.
 
         Raises:
-            StoreError: Another score has taken the store over since it was opened, or the block cannot be written.
+            StoreError: Another score has taken the store over since it was opened, or they cannot be written.
         """
-        rows = list(episodes)
+        found = {block: list(episodes) for block, episodes in blocks.items()}
         with self._guarded(_UNWRITABLE), self._transaction():
             if self._read_facts() != self.facts:
                 raise StoreError(f"{self.file} was taken over by another score; give each its own folder with --output")
-            values = (*block, int(adapted), checksum(block, adapted, rows))
-            written = self._connection.execute("INSERT OR IGNORE INTO blocks VALUES (?, ?, ?, ?, ?)", values)
-            if written.rowcount:
-                marks = ", ".join("?" * len(COLUMNS))
-                self._connection.executemany(
-                    f"INSERT INTO episodes VALUES ({marks})", map(msgspec.structs.astuple, rows)
-                )
+            for block, rows in found.items():
+                values = (*block, int(adapted), checksum(block, adapted, rows))
+                written = self._connection.execute("INSERT OR IGNORE INTO blocks VALUES (?, ?, ?, ?, ?)", values)
+                if written.rowcount:
+                    marks = ", ".join("?" * len(COLUMNS))
+                    self._connection.executemany(
+                        f"INSERT INTO episodes VALUES ({marks})", map(msgspec.structs.astuple, rows)
+                    )
 
     def find(self, where: Mapping[str, str | int], worst: bool = False) -> Episode | None:
         """Reads the first episode that matches, in the order of its key.
@@ -158,7 +164,7 @@ class Store:
         if total != stored:
             raise StoreError(f"{self.file}: {stored - total} episodes belong to no finished block; {_DAMAGED}")
 
-    def _block(self, key: Block) -> list[Episode]:
+    def _block(self, key: BlockKey) -> list[Episode]:
         adapted, expected = self._connection.execute(
             f"SELECT adapted, sha256 FROM blocks WHERE {_BLOCK}", key
         ).fetchone() or (0, "")

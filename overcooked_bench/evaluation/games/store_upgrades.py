@@ -4,10 +4,10 @@ import sqlite3
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from overcooked_bench.evaluation.games.episode import COLUMNS, Block, Episode, read_row, side_of
+from overcooked_bench.evaluation.games.episode import COLUMNS, BlockKey, Episode, read_row, side_of
 from overcooked_bench.kitchen.layout import Layout
 
-Content = tuple[dict[str, str], dict[Block, tuple[bool, list[Episode]]]]
+Content = tuple[dict[str, str], dict[BlockKey, tuple[bool, list[Episode]]]]
 """Facts, and for each finished block whether it was played in the mirror image, and its episodes."""
 
 
@@ -17,7 +17,7 @@ def _from_1(old: sqlite3.Connection) -> Content:
     if found != {"facts", "blocks", "episodes"}:
         raise ValueError("its tables are not those of schema 1")
     facts = dict(old.execute("SELECT key, value FROM facts"))
-    blocks: dict[Block, tuple[bool, list[Episode]]] = {}
+    blocks: dict[BlockKey, tuple[bool, list[Episode]]] = {}
     for *key, adapted in old.execute("SELECT layout, training_seed, episode, adapted FROM blocks"):
         layout, training_seed, episode = key
         blocks[layout, training_seed, episode] = bool(adapted), []

@@ -20,8 +20,8 @@ def by_pair(outcome):
 
 
 def test_a_block_is_every_partner_from_both_seats(protocol, pool_folder):
-    outcome = play_block(block(protocol, pool=pool_folder, episode=1))
-    assert outcome.key == ("cramped_room", 0, 1)
+    outcome = play_block(block(protocol, pool=pool_folder, episodes=(1,)))
+    assert outcome.block.keys == (("cramped_room", 0, 1),)
     names = [("greedy", "scripted"), ("random", "floor"), ("sp-0", "trained"), ("sp-1", "trained")]
     found = [(episode.partner, episode.kind, episode.seat) for episode in outcome.episodes]
     assert found == [(*who, seat) for who in names for seat in (0, 1)]
@@ -31,6 +31,15 @@ def test_a_block_is_every_partner_from_both_seats(protocol, pool_folder):
 def test_the_same_block_is_the_same_to_the_byte(protocol, pool_folder):
     once, again = (play_block(block(protocol, pool=pool_folder)) for _ in range(2))
     assert once == again
+
+
+@pytest.mark.parametrize("agent", ["random", "pool"])
+def test_start_states_that_share_a_batch_are_played_as_if_each_were_alone(agent, protocol, pool_folder):
+    name = f"{pool_folder}/cramped_room/sp-1" if agent == "pool" else agent
+    alone = [play_block(block(protocol, name, pool=pool_folder, episodes=(e,))) for e in (1, 2, 4)]
+    together = play_block(block(protocol, name, pool=pool_folder, episodes=(4, 1, 2)))
+    assert together.episodes == tuple(episode for outcome in alone for episode in outcome.episodes)
+    assert together.by_key == {key: list(one.episodes) for one in alone for key in one.block.keys}
 
 
 def test_both_seats_of_a_partner_share_one_start_and_no_two_partners_do(protocol, pool_folder):
@@ -48,9 +57,9 @@ def test_a_partner_plays_the_same_whoever_else_is_in_the_pool(protocol, pool_fol
     assert {pair: together[pair] for pair in alone} == alone
 
 
-@pytest.mark.parametrize("change", ["episode", "seed", "salt", "protocol"])
+@pytest.mark.parametrize("change", ["episodes", "seed", "salt", "protocol"])
 def test_other_games_for_another(change, protocol):
-    values = {"salt": "sugar", "protocol": changed(protocol, salt="sugar")}
+    values = {"episodes": (1,), "salt": "sugar", "protocol": changed(protocol, salt="sugar")}
     other = replace(block(protocol), **{change: values.get(change, 1)})
     before, after = by_pair(play_block(block(protocol))), by_pair(play_block(other))
     assert all(before[pair].start != after[pair].start for pair in before)
@@ -75,7 +84,7 @@ def test_rows_are_shuffled_anew_for_each_block(protocol, pool_folder, tmp_path):
     note = f"with open({str(tmp_path / 'seats')!r}, 'a') as f: print(seats.tolist(), file=f)"
     agent = write_agent(tmp_path / "agent.py", reset=note)
     for episode in range(4):
-        play_block(block(protocol, agent, pool=pool_folder, episode=episode))
+        play_block(block(protocol, agent, pool=pool_folder, episodes=(episode,)))
     orders = (tmp_path / "seats").read_text().splitlines()
     assert len(set(orders)) > 1
     assert all(sum(json.loads(order)) == 4 for order in orders)
@@ -91,7 +100,7 @@ def test_agents_that_draw_from_global_generators_are_reproducible_and_leave_them
     np.random.seed(1)  # noqa: NPY002
     assert here == (random.random(), np.random.random())  # noqa: NPY002
     assert play_block(block(protocol, agent)) == first
-    assert play_block(block(protocol, agent, episode=1)).episodes[0].actions != first.episodes[0].actions
+    assert play_block(block(protocol, agent, episodes=(1,))).episodes[0].actions != first.episodes[0].actions
 
 
 @pytest.mark.parametrize("observation", ["features", "stack_channels", "state"])
@@ -108,10 +117,12 @@ def test_the_agent_sees_what_it_asks_for(observation, protocol, tmp_path):
         ({"act": "return np.full(n, 1.0)"}, "step 0: .*float64"),
         ({"reset": "raise OSError('no oven')"}, "at the reset: reset.. raised OSError: no oven"),
         ({"make": "return None"}, "training seed 0: .*make_agent"),
+        ({"act": "return [4] * 7 + [9]"}, "seed 0, episode 1, partner (greedy|random), seat [01], step 0: .*action 9"),
+        ({"act": "raise KeyError('salt')"}, "seed 0, episodes 0 to 1, partners greedy, random .*step 0"),
     ],
 )
 def test_a_fault_is_told_with_layout_partner_seat_and_step(fault, words, protocol, tmp_path):
-    outcome = play_block(block(protocol, write_agent(tmp_path / "agent.py", **fault)))
+    outcome = play_block(block(protocol, write_agent(tmp_path / "agent.py", **fault), episodes=(0, 1)))
     assert outcome.episodes == ()
     assert outcome.fault.startswith("cramped_room")
     assert re.search(words, outcome.fault)
@@ -120,7 +131,7 @@ def test_a_fault_is_told_with_layout_partner_seat_and_step(fault, words, protoco
 def test_an_edited_submission_is_not_played_by_its_old_code(protocol, tmp_path):
     file = tmp_path / "agent.py"
     north = play_block(block(protocol, write_agent(file, act="return np.full(n, 0)")))
-    before = block(protocol, file, episode=1)
+    before = block(protocol, file, episodes=(1,))
     south = play_block(block(protocol, write_agent(file, act="return np.full(n, 1)")))
     for outcome, action in ((north, 0), (south, 1)):
         assert all((episode.joint_actions(40)[:, episode.seat] == action).all() for episode in outcome.episodes)

@@ -34,8 +34,8 @@ def played(tmp_path_factory, tiny):
     notes = {"settings": msgspec.json.encode(tiny).decode(), "agent_name": "greedy"}
     with Store(file, FACTS, notes) as store:
         for index in range(2):
-            outcome = play_block(block(tiny, episode=index))
-            store.add_block(outcome.key, outcome.episodes)
+            outcome = play_block(block(tiny, episodes=(index,)))
+            store.add_blocks(outcome.by_key)
     return file
 
 
