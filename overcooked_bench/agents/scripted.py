@@ -99,8 +99,9 @@ SCRIPTED: Final[dict[str, Scripted]] = {
         version=2,
     ),
     "plates_first": _greedy(
-        Habits(job="early", pause=0.2, food_over="bottom", dish_over="middle"),
-        "fetches dishes early and pauses in every fifth step; hands onions over at the bottom, dishes in the middle",
+        Habits(job="early", passes=True, pause=0.2, food_over="bottom", dish_over="middle"),
+        "fetches dishes early, passes over counters, pauses in every fifth step; hands onions over at the bottom, "
+        "dishes in the middle",
     ),
 }
 """The scripted agents by name."""
