@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from overcooked_bench.agents.agent import Agent, AgentFactory, Reference, UnknownLayout
 from overcooked_bench.agents.entries import load_entry, shipped_entries
+from overcooked_bench.agents.pools.lineage import Origin, origin_of
 from overcooked_bench.agents.pools.manifest import read_manifest
 from overcooked_bench.agents.pools.pool import Pool, find_pool, is_pool
 from overcooked_bench.agents.scripted import SCRIPTED, scripted_sha256
@@ -34,6 +35,7 @@ ANY_LAYOUT: Final = "{layout}"
 RUNS_CODE: Final = ("submission", "function")
 """Kinds whose agents are somebody's code, which may end or block the process that it runs in."""
 
+_NOBODY: Final = Origin("")
 _POLICY_SUFFIXES: Final = (".safetensors", ".json")
 
 
@@ -51,6 +53,7 @@ class Entrant:
         training_seeds: Independent training runs, S; `make` takes 0 to S - 1. Kinds other than submissions and entries
             have one and take any.
         layout: The only layout that it plays, or None.
+        origin: Where it comes from; None if nobody says, as a submission without `CODEBASE` and `PEOPLE`.
     """
 
     reference: str
@@ -60,6 +63,7 @@ class Entrant:
     make: AgentFactory
     training_seeds: int = 1
     layout: str | None = None
+    origin: Origin | None = None
 
 
 class Kind(NamedTuple):
@@ -80,7 +84,7 @@ def _scripted(reference: Reference, mode: "Mode") -> Entrant:
     name = str(reference)
     agent = SCRIPTED[name]
     sha256 = scripted_sha256(name, agent.version)
-    return Entrant(name, name, "scripted", sha256, lambda layout, _: agent.factory(layout))
+    return Entrant(name, name, "scripted", sha256, lambda layout, _: agent.factory(layout), origin=_NOBODY)
 
 
 def _script(reference: Reference, mode: "Mode") -> Entrant:
@@ -93,7 +97,7 @@ def _script(reference: Reference, mode: "Mode") -> Entrant:
     except ValueError as error:
         raise AgentError(f"{name}: {error}") from None
     sha256 = scripted_sha256(f"{name}/{VERSION}", 1)
-    return Entrant(name, _plain(name), "script", sha256, lambda *_: ScriptAgent(behaviour))
+    return Entrant(name, _plain(name), "script", sha256, lambda *_: ScriptAgent(behaviour), origin=_NOBODY)
 
 
 def _behaviour(reference: Reference, mode: "Mode") -> Entrant:
@@ -112,6 +116,7 @@ def _submission(reference: Reference, mode: "Mode") -> Entrant:
     return Entrant(
         *(str(submission.path), submission.name, "submission", submission.sha256, submission.make_agent),
         training_seeds=submission.training_seeds,
+        origin=submission.origin,
     )
 
 
@@ -122,7 +127,9 @@ def _function(reference: Reference, mode: "Mode") -> Entrant:
     if function != MAKE_AGENT:
         name, sha256 = f"{name}-{function}", hashlib.sha256(f"{sha256}:{function}".encode()).hexdigest()
     return Entrant(
-        *(reference, name, "function", sha256, submission.make_agent), training_seeds=submission.training_seeds
+        *(reference, name, "function", sha256, submission.make_agent),
+        training_seeds=submission.training_seeds,
+        origin=submission.origin,
     )
 
 
@@ -144,6 +151,7 @@ def _pool_agent(reference: Reference, mode: "Mode") -> Entrant:
         *(_anywhere(name, pool), f"{pool.name}-{layout}-{agent}", "pool agent", policy.sha256),
         make=_frozen(policy, name, mode),
         layout=policy.architecture.layout,
+        origin=origin_of([pool.agent(layout, agent)]),
     )
 
 
@@ -162,7 +170,8 @@ def _pool_agents(reference: Reference, mode: "Mode") -> Entrant:
         return _frozen(pool.policy(layout, agent), name, mode)(layout, training_seed)
 
     sha256 = hashlib.sha256(whole.encode()).hexdigest()
-    return Entrant(_anywhere(name, pool), f"{pool.name}-{agent}", "pool agents", sha256, make)
+    origin = origin_of(found.values())
+    return Entrant(_anywhere(name, pool), f"{pool.name}-{agent}", "pool agents", sha256, make, origin=origin)
 
 
 def _entry(reference: Reference, mode: "Mode") -> Entrant:
@@ -179,7 +188,9 @@ def _entry(reference: Reference, mode: "Mode") -> Entrant:
         policy = entry.pool.policy(layout, entry.runs[layout][training_seed].name)
         return _frozen(policy, name, mode)(layout, training_seed)
 
-    return Entrant(name, name, "entry", hashlib.sha256(whole.encode()).hexdigest(), make, training_seeds=seeds)
+    sha256 = hashlib.sha256(whole.encode()).hexdigest()
+    origin = origin_of(run for runs in entry.runs.values() for run in runs)
+    return Entrant(name, name, "entry", sha256, make, training_seeds=seeds, origin=origin)
 
 
 def _frozen(policy: "Policy", name: str, mode: "Mode") -> AgentFactory:

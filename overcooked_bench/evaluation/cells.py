@@ -1,10 +1,9 @@
 """`Cells`: what was played on one layout as one labelled array.
 
-Axes: S training seeds, P partners, E episode indices (start states), K seats of the scored agent.
+Axes: S training seeds, P partners, E episode indices (start states), K seats of the scored agent, D deeds.
 """
 
-import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any, Final
@@ -16,12 +15,27 @@ from numpy.typing import NDArray
 from overcooked_bench.documents import parse_json
 from overcooked_bench.evaluation.games.episode import Episode
 from overcooked_bench.evaluation.games.store import Store, StoreError
+from overcooked_bench.evaluation.pools.normalised import partner_shares
 from overcooked_bench.kitchen.layout import Layout
 
 FLOOR: Final = "floor"
 """The kind of partners that are listed separately and do not count in any score."""
 
 _ARRAYS: Final = ("returns", "ego_soups", "partner_soups", "sides")
+
+
+class SideBound(msgspec.Struct, frozen=True):
+    """The returns that can be reached with a partner from one side, in points per episode.
+
+    Attributes:
+        side: Region that the scored agent starts in.
+        floor: What the better of `stay` and `random` reaches.
+        ceiling: What the best known responder does.
+    """
+
+    side: int
+    floor: float
+    ceiling: float
 
 
 class PartnerLabel(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -34,6 +48,9 @@ class PartnerLabel(msgspec.Struct, frozen=True, omit_defaults=True):
         stratum: Its origin, as the pool says it; the kind if the pool does not.
         convention: Equal for partners that go together; None if nobody has grouped them.
         is_ego: Whether it is the scored agent itself.
+        weight: Its share of its stratum's weight; None if all partners weigh the same.
+        bounds: What can be reached with it, by side; None if the pool does not say.
+        home: Whether the scored agent is at home with it, see `lineage.at_home`; None if nobody knows.
     """
 
     name: str
@@ -42,6 +59,9 @@ class PartnerLabel(msgspec.Struct, frozen=True, omit_defaults=True):
     stratum: str
     convention: str | None = None
     is_ego: bool = False
+    weight: float | None = None
+    bounds: tuple[SideBound, ...] | None = None
+    home: bool | None = None
 
     @property
     def counts(self) -> bool:
@@ -62,6 +82,10 @@ class Cells:
         ego_soups: (S, P, E, K) float64, soups that the scored agent delivered.
         partner_soups: (S, P, E, K) float64, soups that the partner delivered.
         sides: (S, P, E, K) int64, region in which the scored agent started, as in `Layout.regions`.
+        conduct: (S, P, E, K, 2, D) float64, what the scored agent and its partner did, in the order of
+            `conduct.CONDUCT`; None if it was not counted.
+        self_play: (S, X) float64, points of the team in X episodes of the scored agent with itself; None if there are
+            none.
     """
 
     layout: str
@@ -72,6 +96,8 @@ class Cells:
     ego_soups: NDArray[np.float64]
     partner_soups: NDArray[np.float64]
     sides: NDArray[np.int64]
+    conduct: NDArray[np.float64] | None = None
+    self_play: NDArray[np.float64] | None = None
 
     @property
     def means(self) -> NDArray[np.float64]:
@@ -83,16 +109,49 @@ class Cells:
         """The partners that enter scores."""
         return self.with_partners(index for index, partner in enumerate(self.partners) if partner.counts)
 
+    @property
+    def shares(self) -> NDArray[np.float64]:
+        """(P,) each partner's share of a weighted score: strata have equal shares, and divide them by the weights."""
+        return partner_shares(self.partners)
+
     def with_partners(self, indices: Iterable[int]) -> "Cells":
         """Returns the cells of some partners."""
         chosen = list(indices)
-        arrays: dict[str, Any] = {name: np.take(getattr(self, name), chosen, axis=1) for name in _ARRAYS}
+        arrays: dict[str, Any] = {name: np.take(array, chosen, axis=1) for name, array in self._arrays().items()}
         return replace(self, partners=tuple(self.partners[index] for index in chosen), **arrays)
 
     def on_seat(self, seat: int) -> "Cells":
         """Returns the cells in which the scored agent sits on one seat."""
-        index = self.seats.index(seat)
-        return replace(self, seats=(seat,), **{name: getattr(self, name)[..., index : index + 1] for name in _ARRAYS})
+        index = [self.seats.index(seat)]
+        arrays: dict[str, Any] = {name: np.take(array, index, axis=3) for name, array in self._arrays().items()}
+        return replace(self, seats=(seat,), **arrays)
+
+    def on_side(self, side: int) -> "Cells | None":
+        """Returns the cells in which the scored agent starts on one side.
+
+        Returns:
+            None unless that is from one of the seats in each start state.
+        """
+        there = self.sides == side
+        if (there.sum(axis=3) != 1).any():
+            return None
+        index = there.argmax(axis=3)[..., None]
+        arrays: dict[str, Any] = {
+            name: np.take_along_axis(array, index.reshape(*index.shape, *[1] * (array.ndim - 4)), axis=3)
+            for name, array in self._arrays().items()
+        }
+        return replace(self, seats=self.seats[:1], **arrays)
+
+    def per_partner(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Averages an array over everything but its independent repetitions and partners.
+
+        Args:
+            values: (S, P, E, K).
+
+        Returns:
+            (S, P), or (E, P) for the episode blocks if there is only one training seed.
+        """
+        return np.asarray(values.mean(axis=(2, 3)) if len(values) > 1 else values[0].mean(axis=2).T)
 
     def per_repetition(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Averages an array over everything but its independent repetitions.
@@ -105,9 +164,19 @@ class Cells:
         """
         return np.asarray(values.mean(axis=(1, 2, 3) if len(values) > 1 else (0, 1, 3)))
 
+    def _arrays(self) -> dict[str, Any]:
+        """Returns the arrays that have a number for each episode with a partner."""
+        named = {name: getattr(self, name) for name in (*_ARRAYS, "conduct")}
+        return {name: array for name, array in named.items() if array is not None}
+
 
 def read_cells(
-    store: Store, layouts: Sequence[str], training_seeds: int, episodes: int, seats: Sequence[int]
+    store: Store,
+    layouts: Sequence[str],
+    training_seeds: int,
+    episodes: int,
+    seats: Sequence[int],
+    count: Callable[[Sequence[Episode]], NDArray[np.float64]] | None = None,
 ) -> dict[str, Cells]:
     """Reads cells from a store.
 
@@ -117,6 +186,7 @@ def read_cells(
         training_seeds: S.
         episodes: E.
         seats: K seats.
+        count: Counts what both chefs of N episodes did, (N, 2, D); None if it is not wanted.
 
     Returns:
         Layout -> its cells, partners by name, then floors by name.
@@ -126,20 +196,27 @@ def read_cells(
     """
     found = {layout: list(rows) for layout, rows in groupby(store.episodes(), lambda episode: episode.layout)}
     shape = training_seeds, episodes, tuple(seats)
-    return {layout: _cells(store, layout, found.get(layout, []), shape) for layout in layouts}
+    return {layout: _cells(store, layout, found.get(layout, []), shape, count) for layout in layouts}
 
 
 def pack_labels(partners: Mapping[str, Iterable[PartnerLabel]]) -> str:
     """Writes what pools say about partners, for the notes of a store: layout -> its partners."""
-    return json.dumps({layout: {p.name: [p.stratum, p.convention] for p in some} for layout, some in partners.items()})
+    return msgspec.json.encode({layout: {p.name: p for p in some} for layout, some in partners.items()}).decode()
 
 
-def _cells(store: Store, layout: str, rows: Sequence[Episode], shape: tuple[int, int, tuple[int, ...]]) -> Cells:
+def _cells(
+    store: Store,
+    layout: str,
+    rows: Sequence[Episode],
+    shape: tuple[int, int, tuple[int, ...]],
+    count: Callable[[Sequence[Episode]], NDArray[np.float64]] | None,
+) -> Cells:
     seeds, episodes, seats = shape
     labels = _labels(store, layout, rows)
     size = seeds, len(labels), episodes, len(seats)
     index = {label.name: number for number, label in enumerate(labels)}
     found: dict[str, NDArray[Any]] = {name: np.full(size, np.nan) for name in _ARRAYS}
+    places = []
     for row in rows:
         at = row.training_seed, index[row.partner], row.episode, seats.index(row.seat) if row.seat in seats else -1
         if row.training_seed >= seeds or row.episode >= episodes or at[3] < 0:
@@ -147,6 +224,7 @@ def _cells(store: Store, layout: str, rows: Sequence[Episode], shape: tuple[int,
         values = row.soup_reward, row.ego_soups, row.partner_soups, row.side
         for name, value in zip(_ARRAYS, values, strict=True):
             found[name][at] = value
+        places.append(at)
     missing = np.argwhere(np.isnan(found["returns"]))
     if len(missing) or not labels:
         s, p, e, k = missing[0] if len(missing) else (0, 0, 0, 0)
@@ -155,20 +233,35 @@ def _cells(store: Store, layout: str, rows: Sequence[Episode], shape: tuple[int,
             f"{store.file}: there is no episode on {layout}, training seed {s}, episode {e}, partner {who}, seat "
             f"{seats[k]}, although its block is finished; the file was changed. Delete it, or write to another folder"
         )
-    sides = found.pop("sides").astype(np.int64)
-    return Cells(layout, Layout.load(layout).soup_points, labels, seats, sides=sides, **found)
+    found["sides"] = found["sides"].astype(np.int64)
+    if count is not None:
+        done = count(rows)
+        found["conduct"] = np.empty((*size, *done.shape[1:]))
+        found["conduct"][tuple(np.array(places).T)] = done
+    return Cells(layout, Layout.load(layout).soup_points, labels, seats, **found)
+
+
+_Notes = dict[str, dict[str, PartnerLabel | tuple[str, str | None]]]
+"""Layout -> partner -> what the pool says of it; older stores have its stratum and convention alone."""
+
+
+def _known(name: str, said: PartnerLabel | tuple[str, str | None]) -> PartnerLabel:
+    return said if isinstance(said, PartnerLabel) else PartnerLabel(name, "", "", *said)
 
 
 def _labels(store: Store, layout: str, rows: Iterable[Episode]) -> tuple[PartnerLabel, ...]:
     """Describes the partners of a layout, those that count first."""
-    notes = store.facts.get("partners", "{}")
-    known = parse_json(notes, str(store.file), dict[str, dict[str, tuple[str, str | None]]], StoreError).get(layout, {})
+    notes = parse_json(store.facts.get("partners", "{}"), str(store.file), _Notes, StoreError)
+    known = {name: _known(name, said) for name, said in notes.get(layout, {}).items()}
     try:
         found: dict[str, PartnerLabel] = {}
         for row in rows:
-            stratum, convention = known.get(row.partner, (row.kind, None))
-            is_ego = row.partner_sha256 == store.facts.get("agent")
-            label = PartnerLabel(row.partner, row.kind, row.partner_sha256, stratum, convention, is_ego)
+            label = msgspec.structs.replace(
+                known.get(row.partner) or PartnerLabel(row.partner, "", "", row.kind),
+                kind=row.kind,
+                sha256=row.partner_sha256,
+                is_ego=row.partner_sha256 == store.facts.get("agent"),
+            )
             if found.setdefault(row.partner, label) != label:
                 raise ValueError(f"{row.cell} is another partner than before: {label.kind}, {label.sha256}")
     except ValueError as error:

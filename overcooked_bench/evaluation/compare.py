@@ -9,7 +9,7 @@ import numpy as np
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.estimate import Estimate, t_interval, welch_interval
 from overcooked_bench.evaluation.metric import MetricFacts
-from overcooked_bench.evaluation.scores import MEAN, Row, Scores, Source, read_scores
+from overcooked_bench.evaluation.scores import ABOUT, MEAN, Row, Scores, Source, read_scores
 
 _PAIRED: Final = (
     "95 % t intervals over {n} episode blocks that both agents played with the same partners, start states and random "
@@ -35,7 +35,9 @@ class Difference(msgspec.Struct, frozen=True, omit_defaults=True):
         difference: First minus second.
         layout: As for `Row`.
         seat: As for `Row`.
+        side: As for `Row`.
         stratum: As for `Row`.
+        home: As for `Row`.
         partner: As for `Row`.
         params: As for `Row`.
     """
@@ -45,7 +47,9 @@ class Difference(msgspec.Struct, frozen=True, omit_defaults=True):
     difference: Estimate
     layout: str | None = None
     seat: int | None = None
+    side: int | None = None
     stratum: str | None = None
+    home: bool | None = None
     partner: str | None = None
     params: dict[str, float] = {}
 
@@ -135,7 +139,7 @@ def _difference(mine: Row, theirs: Row, seeds: int, other_seeds: int) -> Differe
         difference = t_interval(np.subtract(*values))
     else:
         difference = Estimate(mine.value - theirs.value)
-    where = {key: getattr(mine, key) for key in ("layout", "seat", "stratum", "partner", "params")}
+    where = {key: getattr(mine, key) for key in (*ABOUT, "params")}
     return Difference(mine.value, theirs.value, difference, **where)
 
 

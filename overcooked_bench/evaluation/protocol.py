@@ -166,7 +166,7 @@ class Report(_Part, frozen=True, kw_only=True):
 
     Attributes:
         thresholds: Numbers of soups that a partner's mean return is compared with, in soups of the layout's own value.
-        metrics: Names of the metrics; all that the data allow if empty.
+        metrics: Names of the metrics, besides the mean return; all that the data allow if empty.
         headlines: Those of them that scores are compared by; the first one ranks. The mean return if empty.
         ranked: Whether scores may be ranked at all.
         estimators: "plain": Student's t over training seeds, or over the episode blocks of a single one. "repaired":

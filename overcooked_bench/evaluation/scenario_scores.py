@@ -14,18 +14,28 @@ from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.estimate import t_interval
 from overcooked_bench.evaluation.games.engines import Engine
 from overcooked_bench.evaluation.playing import one_line
-from overcooked_bench.evaluation.scores import SCENARIOS_FILE, CategoryScore, ScenarioScore, Source
+from overcooked_bench.evaluation.scores import (
+    SCENARIOS_FILE,
+    CategoryScore,
+    ScenarioResult,
+    ScenarioScore,
+    Source,
+)
 from overcooked_bench.files import write_whole
+from overcooked_bench.scenarios import CATEGORIES
 from overcooked_bench.scenarios.errors import ScenarioFault
 from overcooked_bench.scenarios.items import Item, load_items
-from overcooked_bench.scenarios.results import Tally, faulty, suite_record, tallies, tally
+from overcooked_bench.scenarios.results import faulty, suite_record
 from overcooked_bench.scenarios.runner import REPEATS, run_items
 from overcooked_bench.scenarios.solving.lock import definition
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.policies.neural import Mode
 
+SUITE: Final = "unit_scenarios"
 TOTAL: Final = "total"
+PASSED: Final = "passed"
+NOT_ATTEMPTED: Final = "not attempted"
 
 Kitchen = tuple[str, str, bool]
 
@@ -112,14 +122,56 @@ def play_scenarios(
         faults += [done.fault] if done.fault else []
         on_progress("scenarios", count, len(tasks))
     records = tuple(tuple(sorted(some, key=lambda record: str(record["id"]))) for some in found)
-    names = [name for name in tallies("category", records[0])]
-    score = ScenarioScore(
-        suite=Source("unit_scenarios", _digest(chosen)),
-        repeats=REPEATS,
-        categories=tuple(_category(name, records) for name in names),
-        total=_category(TOTAL, records),
+    return ScenariosPlayed(profile(records), tuple(sorted(map(one_line, faults))), records)
+
+
+def profile(records: Sequence[Sequence[Mapping[str, Any]]]) -> ScenarioScore:
+    """Computes what was passed: of each scenario, of each category, and in total.
+
+    Args:
+        records: (S,) for each training seed, the records of its items, as `ItemResult.to_dict` returns them.
+    """
+    by_seed = [_shares(some) for some in records]
+    results = tuple(
+        ScenarioResult(name, category, _mean([shares[name, category] for shares in by_seed]))
+        for name, category in by_seed[0]
     )
-    return ScenariosPlayed(score, tuple(sorted(map(one_line, faults))), records)
+    names = [name for name in CATEGORIES if any(one.category == name for one in results)]
+    return ScenarioScore(
+        suite=Source(SUITE, suite_sha256()),
+        repeats=REPEATS,
+        categories=tuple(_category(name, by_seed) for name in names),
+        total=_category(TOTAL, by_seed),
+        scenarios=results,
+    )
+
+
+_Shares = dict[tuple[str, str], float | None]
+"""(scenario, category) -> the share of its situations that a training seed passed; None if it attempted none."""
+
+
+def _shares(records: Iterable[Mapping[str, Any]]) -> _Shares:
+    """Returns what one training seed passed; a mirror image that was turned back for it is no further situation."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for record in records:
+        one = record["scenarios"][0] if len(record["scenarios"]) == 1 else record["id"]
+        statuses = found.setdefault((one, record["category"]), [])
+        if not (record["mirrored"] and record["adapted"]):
+            statuses.append(record["status"])
+    tried = {key: [status for status in some if status != NOT_ATTEMPTED] for key, some in sorted(found.items())}
+    return {key: some.count(PASSED) / len(some) if some else None for key, some in tried.items()}
+
+
+def _mean(shares: Sequence[float | None]) -> float | None:
+    known = [share for share in shares if share is not None]
+    return sum(known) / len(known) if known else None
+
+
+@cache
+def suite_sha256() -> str:
+    """Computes the hash of the shipped scenarios."""
+    definitions = {f"{scenario.id} {definition(scenario)}" for item in load_items() for scenario in item.scenarios}
+    return sha256("\n".join(sorted(definitions)).encode()).hexdigest()
 
 
 def write_scenarios(played: ScenariosPlayed, agent: str, mode: str, folder: Path) -> None:
@@ -155,21 +207,16 @@ def _lost(task: _Task, why: str) -> _Done:
     return _Done(task.training_seed, records, f"{where}, training seed {task.training_seed}: {why}")
 
 
-def _category(name: str, records: Sequence[Iterable[Mapping[str, Any]]]) -> CategoryScore:
-    """Combines the training seeds."""
-    found: list[Tally] = [tally(some) if name == TOTAL else tallies("category", some)[name] for some in records]
-    first, runs = found[0], len(found)
+def _category(name: str, by_seed: Sequence[_Shares]) -> CategoryScore:
+    """Combines the training seeds. Scenarios are designed and not drawn, so one training run has no interval."""
+    own = [[share for (_, category), share in some.items() if name in (category, TOTAL)] for some in by_seed]
+    tried = [[share for share in some if share is not None] for some in own]
+    runs = len(by_seed)
+    shares = [sum(some) / len(some) if some else 0.0 for some in tried]
     return CategoryScore(
         category=name,
-        items=first.n,
-        passed=sum(one.passed for one in found) / runs,
-        not_attempted=sum(one.not_attempted for one in found) / runs,
-        families=first.families,
-        share=first.score if runs == 1 else t_interval([one.score.value for one in found], 0, 1),
+        attempted=sum(map(len, tried)) / runs,
+        passed=sum(map(sum, tried)) / runs,
+        not_attempted=sum(len(some) - len(left) for some, left in zip(own, tried, strict=True)) / runs,
+        share=t_interval(shares, 0, 1),
     )
-
-
-def _digest(items: Iterable[Item]) -> str:
-    """Computes the hash of what is played."""
-    definitions = {f"{scenario.id} {definition(scenario)}" for item in items for scenario in item.scenarios}
-    return sha256("\n".join(sorted(definitions)).encode()).hexdigest()

@@ -14,9 +14,10 @@ import msgspec
 from overcooked_bench.agents.agent import Reference
 from overcooked_bench.agents.catalogue import find, runs_code
 from overcooked_bench.agents.kinds import Entrant
+from overcooked_bench.agents.pools.lineage import at_home
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.submissions.checks import AgentError
-from overcooked_bench.evaluation.cells import PartnerLabel, pack_labels
+from overcooked_bench.evaluation.cells import PartnerLabel, SideBound, pack_labels
 from overcooked_bench.evaluation.games.asking import identify
 from overcooked_bench.evaluation.games.block import Block
 from overcooked_bench.evaluation.games.cutting import cut
@@ -128,10 +129,7 @@ def score(
             entrant = _identify(agent, play.mode, opened, act_timeout)
         else:
             entrant = find(agent, mode=play.mode)
-        source = pool or play.pool
-        if source is None:
-            raise ProtocolError(f"protocol {rules.name!r} names no pool; name one with --pool")
-        partners = Pool.load(source)
+        partners = _load_pool(rules, pool)
         chosen, skipped = _choose(rules, layouts, entrant)
         check_pool(partners, rules, chosen)
         folder = Path(output) if output else default_output(entrant.name, rules)
@@ -148,7 +146,7 @@ def score(
             "agent_name": entrant.name,
             "pool_name": partners.name,
             "training_seeds": str(entrant.training_seeds),
-            "partners": pack_labels({layout: _labels(partners, layout) for layout in chosen}),
+            "partners": pack_labels({layout: _labels(partners, layout, entrant) for layout in chosen}),
         }
         home = str(partners.folder.absolute())
         with Store(folder / EPISODES_FILE, facts, notes) as store:
@@ -183,6 +181,7 @@ def score(
                 faults=(*played.faults, *(items.faults if items else ())),
                 scenarios=items and items.score,
                 run={**_run_facts(started, time.monotonic() - clock, workers, engine), **warnings},
+                conduct=True,
             )
         unwritten = None
         try:
@@ -225,9 +224,28 @@ def _salt(salt: str | None, rules: Protocol, folder: Path) -> str:
     return there if there not in (None, public) else draw_salt()
 
 
-def _labels(pool: Pool, layout: str) -> list[PartnerLabel]:
+def _load_pool(rules: Protocol, instead: str | Path | None) -> Pool:
+    """Loads the pool that is played with, and makes sure that it is the one that the protocol means."""
+    source = instead or rules.play.pool
+    if source is None:
+        raise ProtocolError(f"protocol {rules.name!r} names no pool; name one with --pool")
+    pool, meant = Pool.load(source), rules.play.pool_sha256
+    if instead is None and meant not in (None, pool.hash):
+        raise ProtocolError(
+            f"protocol {rules.name!r} means the pool {source!r} with the hash {meant}, but the one here has "
+            f"{pool.hash}; take the release that the protocol comes with, or name a pool with --pool"
+        )
+    return pool
+
+
+def _labels(pool: Pool, layout: str, entrant: Entrant) -> list[PartnerLabel]:
     return [
-        PartnerLabel(one.name, one.kind, one.sha256, one.entry.stratum, one.entry.convention)
+        PartnerLabel(
+            *(one.name, one.kind, one.sha256, one.entry.stratum, one.entry.convention),
+            weight=one.entry.weight,
+            bounds=tuple(SideBound(b.side, b.floor, b.ceiling) for b in one.entry.bounds or ()) or None,
+            home=entrant.origin and at_home(entrant.origin.codebase, entrant.origin.people, one.entry),
+        )
         for one in roster(pool, layout)
     ]
 

@@ -45,6 +45,24 @@ def from_1(old: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def from_2(old: dict[str, Any]) -> dict[str, Any]:
+    """Reads schema 2, which counted each situation of a scenario, and those that were not attempted as failed."""
+    scenarios = old["scenarios"]
+    if scenarios is not None:
+        scenarios = {
+            **scenarios,
+            "categories": [_category(one) for one in scenarios["categories"]],
+            "total": _category(scenarios["total"]),
+            "counted": "situations",
+        }
+    return {**old, "schema": 3, "scenarios": scenarios}
+
+
+def _category(old: dict[str, Any]) -> dict[str, Any]:
+    kept = ("category", "passed", "not_attempted", "share")
+    return {**{key: old[key] for key in kept}, "attempted": old["items"] - old["not_attempted"]}
+
+
 def _layout(old: dict[str, Any]) -> dict[str, Any]:
     cells = sorted(old["cells"], key=lambda cell: str(cell["partner"]))
     return {

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import msgspec
 
@@ -11,12 +11,13 @@ from overcooked_bench.documents import read_json
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.cells import PartnerLabel
+from overcooked_bench.evaluation.estimators import FEWEST_RUNS
 from overcooked_bench.evaluation.metric import MetricFacts
 from overcooked_bench.evaluation.protocol import Protocol
-from overcooked_bench.evaluation.score_upgrades import from_1
+from overcooked_bench.evaluation.score_upgrades import from_1, from_2
 from overcooked_bench.files import write_whole
 
-SCHEMA: Final = 2
+SCHEMA: Final = 3
 
 EPISODES_FILE: Final = "episodes.sqlite"
 SCORES_FILE: Final = "score.json"
@@ -25,12 +26,16 @@ REPORT_FILE: Final = "report.html"
 SCENARIOS_FILE: Final = "scenarios.json"
 
 MEAN: Final = "mean"
-"""The metric that scores are ranked by."""
+"""The mean return, which partners are sorted by, and scores of protocols without headlines ranked by."""
 
-UPGRADES: Final[dict[int, Callable[[dict[str, Any]], dict[str, Any]]]] = {1: from_1}
+UPGRADES: Final[dict[int, Callable[[dict[str, Any]], dict[str, Any]]]] = {1: from_1, 2: from_2}
 """Schema -> the function that upgrades a score.json to the next schema."""
 
 _MOST_BYTES: Final = 64_000_000
+
+
+ABOUT: Final = ("layout", "seat", "side", "stratum", "home", "partner")
+"""Entries of a row that say what it is about."""
 
 
 class ScoresError(WrongUse):
@@ -45,11 +50,14 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
         params: What it was computed with, such as `{"soups": 3}`.
         layout: The layout; null for the mean over all layouts of the protocol.
         seat: The scored agent's seat; null for all seats.
+        side: The region that the scored agent starts in; null for all.
         stratum: The partners' stratum; null for all that count.
+        home: Whether the scored agent is at home with the partners; null for all that count.
         partner: The partner; null for all that count.
         value: The number.
         low: Lower end of its 95 % interval, null if the data give none; `Scores.interval` says what it covers.
         high: Upper end.
+        error: Its standard error; null if the data give none, and in scores before schema 3.
         per_repetition: The number of each independent repetition, which are the training seeds or, of a single one, the
             episode blocks; null in scores of schema 1.
     """
@@ -58,11 +66,14 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     params: dict[str, float] = {}
     layout: str | None = None
     seat: int | None = None
+    side: int | None = None
     stratum: str | None = None
+    home: bool | None = None
     partner: str | None = None
     value: float
     low: float | None = None
     high: float | None = None
+    error: float | None = None
     per_repetition: tuple[float, ...] | None = None
 
     @property
@@ -73,7 +84,8 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     @property
     def about(self) -> tuple[Any, ...]:
         """What the number is about: equal for rows of two scores that can be compared."""
-        return self.metric, tuple(sorted(self.params.items())), self.layout, self.seat, self.stratum, self.partner
+        entries = (getattr(self, name) for name in ABOUT)
+        return self.metric, tuple(sorted(self.params.items())), *entries
 
 
 class LayoutFacts(msgspec.Struct, frozen=True):
@@ -118,41 +130,58 @@ class Declined(msgspec.Struct, frozen=True):
     reason: str
 
 
+class ScenarioResult(msgspec.Struct, frozen=True):
+    """One cooperation scenario, or a pair that counts together.
+
+    Attributes:
+        scenario: Its id.
+        category: Its category.
+        share: Share of its situations that were passed, from each seat and in the mirror image, mean over training
+            seeds; null if none was attempted.
+    """
+
+    scenario: str
+    category: str
+    share: float | None
+
+
 class CategoryScore(msgspec.Struct, frozen=True):
-    """The scenarios of a category; counts are means over training seeds.
+    """The scenarios of a category; numbers are means over training seeds.
 
     Attributes:
         category: Its name.
-        items: Scenarios from both seats in both mirrors; a pair counts once.
-        passed: Items that were passed.
-        not_attempted: In kitchens that the agent declines; failed.
-        families: Families of scenarios.
-        share: Mean over families of the share passed; the interval is Wilson's for so many families, or with several
-            training seeds t over them.
+        attempted: Scenarios that the agent attempted: it plays their kitchen.
+        passed: How many of them it passed; one of which it passes a part of the situations counts in part.
+        not_attempted: Scenarios in kitchens that it declines.
+        share: Share of the attempted ones that were passed. With several training seeds t over them; one training run
+            has no interval. In scores before schema 3 it is the mean over families.
     """
 
     category: str
-    items: int
+    attempted: float
     passed: float
     not_attempted: float
-    families: int
     share: Estimate
 
 
-class ScenarioScore(msgspec.Struct, frozen=True):
-    """How the agent did in the cooperation scenarios.
+class ScenarioScore(msgspec.Struct, frozen=True, omit_defaults=True):
+    """How the agent did in the cooperation scenarios: a profile, which enters no score.
 
     Attributes:
         suite: What was played.
         repeats: Runs of each situation.
         categories: One by one.
         total: All of them together, as the category "total".
+        scenarios: Each scenario; none in scores before schema 3.
+        counted: "scenarios", or "situations" in scores before schema 3, which counted each seat and mirror image.
     """
 
     suite: Source
     repeats: int
     categories: tuple[CategoryScore, ...]
     total: CategoryScore
+    scenarios: tuple[ScenarioResult, ...] = ()
+    counted: Literal["scenarios", "situations"] = "scenarios"
 
 
 class Scores(msgspec.Struct, frozen=True, kw_only=True):
@@ -168,9 +197,9 @@ class Scores(msgspec.Struct, frozen=True, kw_only=True):
         salt: The run's: the protocol's public one in scores that are to be compared, a fresh one in official runs.
         training_seeds: Number of independent training runs of the agent, S.
         interval: What the intervals cover, and what they do not.
-        overall: Mean return over all layouts of the protocol, each with equal weight; null unless all were played. Its
-            interval is over training seeds, or the episode blocks of a single one, each averaged over the layouts.
-        unranked: Why `overall` is null; null if it is not.
+        overall: The first headline over all layouts of the protocol, each with equal weight: N under protocols that
+            have it, else the mean return; null unless all layouts were played.
+        unranked: Why the score is not to be ranked with others of its `kind`; null if it is.
         layouts: Those that were played to the end, in the protocol's order.
         declined: Those that the agent does not play.
         faults: What the agent did wrong, each at a named cell or scenario.
@@ -199,6 +228,18 @@ class Scores(msgspec.Struct, frozen=True, kw_only=True):
     scenarios: ScenarioScore | None
     run: dict[str, Any]
 
+    @property
+    def headline(self) -> str:
+        """The metric that scores of this protocol are ranked by."""
+        return self.settings.report.headline
+
+    @property
+    def kind(self) -> Literal["method", "runs", "agent"]:
+        """What was scored: a method by five training runs or more, a few runs of one, or a single agent."""
+        if self.training_seeds >= FEWEST_RUNS:
+            return "method"
+        return "runs" if self.training_seeds > 1 else "agent"
+
     def select(self, metric: str | None = None, **about: Any) -> Iterator[Row]:
         """Yields the rows of a metric, or of all, with the given entries: `select("mean", layout="cramped_room")`."""
         for row in self.rows:
@@ -210,9 +251,9 @@ class Scores(msgspec.Struct, frozen=True, kw_only=True):
 
         Args:
             metric: Its name.
-            **about: `layout`, `seat`, `stratum`, `partner`, `params`.
+            **about: `params`, and entries of `ABOUT`.
         """
-        entries: dict[str, Any] = {"layout": None, "seat": None, "stratum": None, "partner": None, **about}
+        entries: dict[str, Any] = {**dict.fromkeys(ABOUT), **about}
         return next(self.select(metric, **entries), None)
 
     def with_partners(self, layout: LayoutFacts) -> list[tuple[PartnerLabel, Row]]:

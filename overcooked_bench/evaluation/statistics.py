@@ -5,13 +5,13 @@ What varies is a training run, not an episode: seeds are the unit wherever there
 Axes: S training seeds, P partners, E episode indices.
 """
 
-from math import ceil
+from math import ceil, sqrt
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from overcooked_bench.estimate import CONFIDENCE, Estimate, t_interval
+from overcooked_bench.estimate import CONFIDENCE, Estimate, student, t_interval
 
 LOW_QUANTILE: Final = 0.15
 """The quantile over training seeds, and the share of partners in the tail.
@@ -98,6 +98,46 @@ def tail_mean(means: ArrayLike) -> NDArray[np.float64]:
     """Returns each training seed's mean over its worst 15 % of the partners, one at least: (S, P) -> (S,)."""
     curve = ordered(means)
     return np.asarray(curve[:, : ceil(LOW_QUANTILE * curve.shape[1])].mean(axis=1))
+
+
+def weighted_tail(values: ArrayLike, shares: ArrayLike, part: float) -> NDArray[np.float64]:
+    """Returns each row's mean over its worst partners that have a part of the shares together; the last counts partly.
+
+    Args:
+        values: (R, P) with each partner.
+        shares: (P,) shares of the partners, with the sum 1.
+        part: Of the shares, above 0 and to 1.
+
+    Returns:
+        (R,)
+    """
+    given, weights = np.asarray(values, np.float64), np.asarray(shares, np.float64)
+    order = np.argsort(given, axis=1, kind="stable")
+    taken = np.clip(part - (np.cumsum(weights[order], axis=1) - weights[order]), 0, weights[order])
+    return np.asarray((np.take_along_axis(given, order, axis=1) * taken).sum(axis=1) / taken.sum(axis=1))
+
+
+def detectable(deviation: float, seeds: int) -> float:
+    """Returns the half-width of the 95 % interval of a difference of two methods: what so many training seeds can see.
+
+    Args:
+        deviation: Standard deviation of a score over training seeds, of both methods.
+        seeds: Training seeds of each, two at least.
+    """
+    return student(2 * seeds - 2) * deviation * sqrt(2 / seeds)
+
+
+def seeds_needed(difference: float, deviation: float) -> int | None:
+    """Returns how many training seeds each of two methods needs for an interval that excludes 0 at this difference.
+
+    Args:
+        difference: Of their scores, above 0.
+        deviation: Standard deviation of a score over training seeds.
+
+    Returns:
+        Two at least; None if a thousand are not enough.
+    """
+    return next((seeds for seeds in range(2, 1001) if detectable(deviation, seeds) <= difference), None)
 
 
 class OrderBound(NamedTuple):

@@ -2,18 +2,20 @@
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.cells import Cells, read_cells
+from overcooked_bench.evaluation.conduct import CONDUCT, count_conduct
+from overcooked_bench.evaluation.estimators import FEWEST_RUNS
 from overcooked_bench.evaluation.games.replayed import check_returns, read_settings
 from overcooked_bench.evaluation.games.store import Store, StoreError
-from overcooked_bench.evaluation.metric import Metric, Params, Slice, find_metrics
+from overcooked_bench.evaluation.metric import Figured, Metric, Params, Slice, chosen_metrics
 from overcooked_bench.evaluation.protocol import Protocol, Report
 from overcooked_bench.evaluation.scores import (
     EPISODES_FILE,
@@ -28,6 +30,9 @@ from overcooked_bench.evaluation.scores import (
 )
 from overcooked_bench.evaluation.statistics import describe_low_quantile
 
+_ACROSS: Final = {"stratum", "home"}
+"""Entries of a row that means over layouts are computed for, too."""
+
 
 def summarise(
     store: Store,
@@ -39,6 +44,7 @@ def summarise(
     faults: Sequence[str] = (),
     scenarios: ScenarioScore | None = None,
     run: Mapping[str, Any] | None = None,
+    conduct: bool = False,
 ) -> Scores:
     """Computes the score of what a store holds.
 
@@ -51,15 +57,18 @@ def summarise(
         faults: What it did wrong.
         scenarios: How it did in the cooperation scenarios.
         run: Facts of this run.
+        conduct: Whether to replay the episodes for what the chefs do, if the report has metrics of it.
 
     Raises:
         StoreError: Blocks were changed after they were written.
     """
     facts, play = store.facts, rules.play
-    found = read_cells(store, finished, training_seeds, play.episodes, play.seats)
-    cells, adapted, metrics = list(found.values()), store.adapted(), find_metrics()
-    unranked = _unranked(rules, finished, declined)
-    rows = compute_rows(cells, metrics, rules.report, overall=unranked is None)
+    adapted, metrics = store.adapted(), chosen_metrics(rules.report)
+    counted = conduct and any(metric.facts.name in CONDUCT for metric in metrics)
+    count = partial(count_conduct, cooking=play.cooking, horizon=play.horizon) if counted else None
+    found = read_cells(store, finished, training_seeds, play.episodes, play.seats, count)
+    cells, missing = list(found.values()), _missing(rules, finished, declined)
+    rows = compute_rows(cells, metrics, rules.report, overall=missing is None)
     pool = facts.get("pool", "none")
     scores = Scores(
         schema=SCHEMA,
@@ -70,26 +79,28 @@ def summarise(
         seed=int(facts.get("seed", "0")),
         salt=facts.get("salt", play.salt),
         training_seeds=training_seeds,
-        interval=describe_interval(training_seeds, play.episodes),
+        interval=describe_interval(training_seeds, play.episodes, rules.report),
         overall=None,
-        unranked=unranked,
+        unranked=missing or _unranked(rules, training_seeds),
         layouts=tuple(layout_facts(one, one.layout in adapted) for one in cells),
         declined=tuple(declined),
         faults=tuple(faults),
-        metrics=tuple(metric.facts for metric in metrics),
+        metrics=tuple(metric.facts for metric in metrics if metric.facts.name in {row.metric for row in rows}),
         rows=rows,
         scenarios=scenarios,
         run=dict(run or {}),
     )
-    mean = scores.find()
-    return msgspec.structs.replace(scores, overall=mean and mean.estimate)
+    first = scores.find(scores.headline)
+    return msgspec.structs.replace(scores, overall=first and first.estimate)
 
 
-def recompute(source: str | Path) -> Scores:
+def recompute(source: str | Path, report: Report | None = None) -> Scores:
     """Computes a score again from its stored episodes alone, all of which are replayed.
 
     Args:
         source: The folder of a score, or its episodes.sqlite, of this schema or an older one.
+        report: How the games are scored, instead of as the store says: scores of the same games whose protocols report
+            them differently become comparable.
 
     Returns:
         The numbers of the layouts that were finished, without scenarios.
@@ -99,6 +110,8 @@ def recompute(source: str | Path) -> Scores:
     """
     with Store(in_folder(source, EPISODES_FILE)) as store:
         rules = read_settings(store)
+        if report is not None:
+            rules = msgspec.structs.replace(rules, report=report)
         check_returns(store, rules.play.cooking, rules.play.horizon)
         blocks, episodes = store.blocks(), rules.play.episodes
         try:
@@ -107,7 +120,7 @@ def recompute(source: str | Path) -> Scores:
             raise StoreError(f"{store.file}: its number of training seeds is unclear ({error})") from error
         known = Counter(layout for layout, run, episode in blocks if run < seeds and episode < episodes)
         finished = [layout for layout in rules.play.layouts if known[layout] == seeds * episodes]
-        return summarise(store, rules, training_seeds=seeds, finished=finished)
+        return summarise(store, rules, training_seeds=seeds, finished=finished, conduct=True)
 
 
 def compute_rows(cells: Sequence[Cells], metrics: Sequence[Metric], report: Report, overall: bool) -> tuple[Row, ...]:
@@ -116,30 +129,33 @@ def compute_rows(cells: Sequence[Cells], metrics: Sequence[Metric], report: Repo
     Args:
         cells: One per layout.
         metrics: Which.
-        report: The protocol's parameters of metrics.
+        report: The protocol's parameters of metrics, and its estimators.
         overall: Whether means over the layouts are wanted: all layouts of the protocol are there.
 
     Returns:
         Rows in the order of layouts, slices and metrics; the means over layouts first.
     """
     rows: list[Row] = []
-    across: dict[tuple[int, tuple[Any, ...]], list[NDArray[np.float64]]] = {}
+    across: dict[tuple[Any, ...], list[tuple[Cells, NDArray[np.float64]]]] = {}
     for one in cells:
         for index, metric in enumerate(metrics):
-            for about, part in _slices(one, metric.by):
+            for about, part in slices(one, metric.by):
                 for params in metric.params(report, part):
                     values = np.asarray(metric.per_repetition(part, **params), np.float64)
                     if not len(values):
                         continue
-                    if "overall" in metric.by and not about:
-                        across.setdefault((index, tuple(params.items())), []).append(values)
-                    estimate = metric.estimate(values, part, **params)
-                    rows.append(_row(metric, params, values, estimate, layout=one.layout, **about))
+                    if "overall" in metric.by and not about.keys() - _ACROSS:
+                        key = index, tuple(about.items()), tuple(params.items())
+                        across.setdefault(key, []).append((part, values))
+                    found = metric.estimate(values, [part], report, params)
+                    rows.append(_row(metric, params, values, found, layout=one.layout, **about))
     means = []
-    for (index, key), arrays in across.items():
+    for (index, slice_, key), parts in across.items():
+        arrays = [values for _, values in parts]
         if overall and len(arrays) == len(cells) and len({len(values) for values in arrays}) == 1:
-            values = np.stack(arrays).mean(axis=0)
-            means.append(_row(metrics[index], dict(key), values, metrics[index].estimate(values)))
+            values, params = np.stack(arrays).mean(axis=0), dict(key)
+            found = metrics[index].estimate(values, [part for part, _ in parts], report, params)
+            means.append(_row(metrics[index], params, values, found, **dict(slice_)))
     return (*means, *rows)
 
 
@@ -150,12 +166,17 @@ def layout_facts(cells: Cells, adapted: bool) -> LayoutFacts:
     return LayoutFacts(cells.layout, adapted, cells.soup_points, cells.partners, remark)
 
 
-def describe_interval(training_seeds: int, episodes: int) -> str:
+def describe_interval(training_seeds: int, episodes: int, report: Report) -> str:
     """Says what the intervals are about."""
     if training_seeds > 1:
         return (
             f"95 % t intervals over {training_seeds} training seeds, for this pool of partners and given these start "
             "states and random streams, which all training seeds play."
+        )
+    if report.estimators == "repaired":
+        return (
+            "95 % t intervals over the partners of each stratum and their start states, of one training run; they say "
+            "nothing about retraining. With a single partner they are over episode blocks."
         )
     if episodes > 1:
         return (
@@ -165,7 +186,7 @@ def describe_interval(training_seeds: int, episodes: int) -> str:
     return "No intervals: a single episode block of one training run."
 
 
-def _unranked(rules: Protocol, finished: Sequence[str], declined: Sequence[Declined]) -> str | None:
+def _missing(rules: Protocol, finished: Sequence[str], declined: Sequence[Declined]) -> str | None:
     """Says why there is no overall score, None if there is one."""
     refused = [one.layout for one in declined]
     others = [layout for layout in rules.play.layouts if layout not in (*refused, *finished)]
@@ -174,18 +195,28 @@ def _unranked(rules: Protocol, finished: Sequence[str], declined: Sequence[Decli
     return "; ".join(parts) or None
 
 
-def _slices(cells: Cells, by: Sequence[Slice]) -> Iterator[tuple[Mapping[str, Any], Cells]]:
-    """Yields what a metric is about, and the cells that it is computed from."""
+def _unranked(rules: Protocol, training_seeds: int) -> str | None:
+    """Says why a score on all layouts is not to be ranked, None if it is."""
+    if not rules.report.ranked:
+        return f"the protocol {rules.name} does not rank"
+    if rules.report.headlines and 1 < training_seeds < FEWEST_RUNS:
+        return f"{training_seeds} training runs; a method has {FEWEST_RUNS} at least, an agent one"
+    return None
+
+
+def slices(cells: Cells, by: Sequence[Slice]) -> Iterator[tuple[Mapping[str, Any], Cells]]:
+    """Yields what a metric is about, as entries of a `Row`, and the cells that it is computed from."""
     counting = cells.counting
     if "layout" in by:
         yield {}, counting
     if "seat" in by:
         for seat in cells.seats:
             yield {"seat": seat}, counting.on_seat(seat)
-    if "stratum" in by:
-        for stratum in sorted({label.stratum for label in counting.partners}):
-            members = [index for index, label in enumerate(counting.partners) if label.stratum == stratum]
-            yield {"stratum": stratum}, counting.with_partners(members)
+    if "side" in by:
+        yield from _sides(counting)
+    for entry in ("stratum", "home"):
+        if entry in by:
+            yield from _kinds(counting, entry)
     for index, label in enumerate(cells.partners):
         own = cells.with_partners([index])
         if "partner" in by:
@@ -195,13 +226,30 @@ def _slices(cells: Cells, by: Sequence[Slice]) -> Iterator[tuple[Mapping[str, An
                 yield {"partner": label.name, "seat": seat}, own.on_seat(seat)
 
 
-def _row(metric: Metric, params: Params, values: NDArray[np.float64], estimate: Estimate, **about: Any) -> Row:
+def _sides(cells: Cells) -> Iterator[tuple[Mapping[str, Any], Cells]]:
+    """Yields the sides of the floor that the scored agent starts on, where there are several."""
+    sides = np.unique(cells.sides).tolist()
+    for side in sides if len(sides) > 1 else []:
+        if (there := cells.on_side(side)) is not None:
+            yield {"side": side}, there
+
+
+def _kinds(cells: Cells, entry: str) -> Iterator[tuple[Mapping[str, Any], Cells]]:
+    """Yields the partners of each stratum, or at home and away; none where all are away, or nobody knows."""
+    kinds = [getattr(label, entry) for label in cells.partners]
+    present = sorted({kind for kind in kinds if kind is not None})
+    for kind in present if present != [False] else []:
+        yield {entry: kind}, cells.with_partners(index for index, own in enumerate(kinds) if own == kind)
+
+
+def _row(metric: Metric, params: Params, values: NDArray[np.float64], found: Figured, **about: Any) -> Row:
     return Row(
         metric=metric.facts.name,
         params=dict(params),
-        value=estimate.value,
-        low=estimate.low,
-        high=estimate.high,
+        value=found.estimate.value,
+        low=found.estimate.low,
+        high=found.estimate.high,
+        error=found.error,
         per_repetition=tuple(values.tolist()),
         **about,
     )

@@ -10,7 +10,8 @@ import pytest
 import overcooked_bench
 from overcooked_bench import UnknownLayout, load_agent
 from overcooked_bench.agents.agent import Agent
-from overcooked_bench.agents.catalogue import catalogue
+from overcooked_bench.agents.catalogue import catalogue, find
+from overcooked_bench.agents.pools.lineage import Origin
 from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.agents.submissions.checks import AgentError, check_actions, check_agent
@@ -127,6 +128,21 @@ def test_what_a_submission_says(submit):
     for seed in (-1, 3):
         with pytest.raises(AgentError, match="means 0 to 2"):
             submission.make_agent("cramped_room", seed)
+
+
+def test_a_submission_can_say_where_it_comes_from(submit):
+    assert find(submit(WAITS)).origin is None
+    for lines, origin in (
+        ('CODEBASE = "stable-baselines3"', Origin("stable-baselines3")),
+        ('CODEBASE = "overcooked-bench"\nPEOPLE = ["2019-00"]', Origin(None, ("2019-00",))),
+        ('PEOPLE = ("2019-00",)', Origin("", ("2019-00",))),
+    ):
+        assert find(submit(f"{WAITS}\n{lines}\n")).origin == origin
+    for line in ("CODEBASE = None", 'PEOPLE = "2019-00"', "PEOPLE = [1]"):
+        with pytest.raises(AgentError, match=rf"entry\.py: {line.split()[0]} is .*such as"):
+            load_submission(submit(f"{WAITS}\n{line}\n"))
+    assert find("greedy").origin == Origin("")
+    assert find("dev-v0/{layout}/sp-0").origin == Origin(None)
 
 
 def test_a_function_of_another_name(submit):

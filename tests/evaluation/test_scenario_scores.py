@@ -7,9 +7,12 @@ import pytest
 from rich.console import Console
 
 from overcooked_bench.cli import main
+from overcooked_bench.estimate import t_interval
 from overcooked_bench.evaluation.protocol import read_protocol
+from overcooked_bench.evaluation.scenario_scores import profile, suite_sha256
 from overcooked_bench.evaluation.score import score
 from overcooked_bench.evaluation.scores import read_scores
+from overcooked_bench.evaluation.shown.tables import count_text
 from overcooked_bench.evaluation.shown.terminal import score_tables
 from tests.evaluation.made import protocol_text
 
@@ -41,11 +44,12 @@ def test_training_seeds_are_taken_together(scored):
     assert other["passed"] == 0
     card = scored.scores.scenarios
     total = card.total
-    assert (total.category, total.items, total.passed) == ("total", one["n"], one["passed"] / 2)
-    assert total.not_attempted == one["total"]["not_attempted"] > 0
-    assert total.share.value == pytest.approx(one["total"]["score"]["value"] / 2)
+    assert total.category == "total"
+    assert total.not_attempted > 0
+    assert total.attempted + total.not_attempted == len(card.scenarios)
+    assert total.share.value == pytest.approx(total.passed / total.attempted)
     assert (total.share.low, total.share.high) == (0, 1), "two values say nothing with a t interval"
-    assert sum(category.items for category in card.categories) == total.items
+    assert sum(category.attempted for category in card.categories) == total.attempted
     layouts = {item["layout"].removesuffix("-mirrored") for item in one["items"]}
     assert layouts == {"cramped_room", "coordination_ring"}
     assert [item["id"] for item in one["items"]] == sorted(item["id"] for item in one["items"])
@@ -60,7 +64,38 @@ def test_they_are_in_all_files(scored):
     assert scores.scenarios.suite.sha256 in page
     shown = StringIO()
     Console(width=100, file=shown).print(score_tables(scores))
-    assert f" total {total.passed:g} {total.items} " in " ".join(shown.getvalue().split())
+    assert f" total {count_text(total.passed)} {count_text(total.attempted)} " in " ".join(shown.getvalue().split())
+
+
+def record(scenario, status, category="state", mirrored=False, adapted=False, pair=()):
+    scenarios = list(pair) or [scenario]
+    name = f"{scenario}-pair" if pair else f"{scenario}-seat0"
+    return dict(id=name, scenarios=scenarios, category=category, status=status, mirrored=mirrored, adapted=adapted)
+
+
+def test_a_scenario_is_one_unit_and_what_was_not_attempted_is_apart():
+    card = profile(
+        [
+            [
+                *(record("A01", status) for status in ("passed", "passed", "passed", "failed")),
+                record("A02", "not attempted"),
+                record("B01", "failed", "partner"),
+                record("B01", "passed", "partner", mirrored=True, adapted=True),
+                record("B02", "passed", "partner", pair=("B02a", "B02b")),
+            ]
+        ]
+    )
+    assert {one.scenario: one.share for one in card.scenarios} == {"A01": 0.75, "A02": None, "B01": 0, "B02-pair": 1}
+    state, partner = card.categories
+    assert (state.attempted, state.passed, state.not_attempted, tuple(state.share)) == (1, 0.75, 1, (0.75, None, None))
+    assert (partner.attempted, partner.passed, partner.share.value) == (2, 1, 0.5)
+    assert (card.total.attempted, card.total.passed) == (3, 1.75)
+    assert (card.suite.sha256, card.counted) == (suite_sha256(), "scenarios")
+
+
+def test_the_interval_of_a_method_is_over_its_seeds():
+    card = profile([[record("A01", "passed"), record("A02", status)] for status in ("passed", "failed", "failed")])
+    assert card.total.share == t_interval([1, 0.5, 0.5], 0, 1)
 
 
 CLUMSY = """

@@ -11,17 +11,21 @@ import time
 from html import unescape
 from io import StringIO
 
+import msgspec
 import pytest
 from rich.console import Console
 
 from overcooked_bench.agents.pools.manifest import write_manifest
+from overcooked_bench.agents.pools.records import Bound
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.cli import main
+from overcooked_bench.evaluation.cells import SideBound
 from overcooked_bench.evaluation.games.engines import EngineError
 from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.evaluation.protocol import ProtocolError, read_protocol
 from overcooked_bench.evaluation.scores import EPISODES_FILE, SCORES_FILE, Declined, read_scores
 from overcooked_bench.evaluation.shown.terminal import score_tables
+from overcooked_bench.evaluation.summary import recompute
 from overcooked_bench.kitchen.layout import CLASSIC
 from tests.agents.made import scripted
 from tests.evaluation.made import SCRIPTED_POOL, changed, protocol_text, reporting, score, write_agent
@@ -213,6 +217,32 @@ def test_without_a_pool_nobody_is_met(protocol, tmp_path):
         score("stay", changed(protocol, pool=None), output=tmp_path / "out")
     scores, *_ = score("stay", changed(protocol, pool=None), pool=SCRIPTED_POOL, output=tmp_path / "out")
     assert scores.pool.name == "scripted"
+
+
+def test_a_pool_of_the_same_name_and_other_content_is_refused(protocol, tmp_path):
+    pinned = changed(protocol, pool_sha256="0" * 64)
+    with pytest.raises(
+        ProtocolError, match=r"means the pool .* with the hash 000.*, but the one here has [0-9a-f]{64}"
+    ):
+        score("stay", pinned, output=tmp_path / "out")
+    assert score("stay", pinned, pool=SCRIPTED_POOL, output=tmp_path / "out").scores.pool.name == "scripted"
+
+
+def test_what_the_pool_says_of_partners_is_in_the_score(protocol, tmp_path):
+    bound = dict(floor_agent="stay", low=90, high=110, episodes=9, responder="greedy", responder_sha256="0" * 64)
+    bounds = (Bound(side=0, floor=0, ceiling=40, **bound),)
+    partners = [msgspec.structs.replace(scripted(name), bounds=bounds, weight=0.5) for name in ("greedy", "stay")]
+    write_manifest(tmp_path / "pool", "bounded", partners)
+    scored = score("greedy", protocol, pool=tmp_path / "pool", output=tmp_path / "out")
+    for scores in (scored.scores, recompute(scored.folder)):
+        (layout,) = scores.layouts
+        assert [(label.weight, label.bounds, label.home) for label in layout.partners] == [
+            (0.5, (SideBound(0, 0, 40),), False)
+        ] * 2
+        mean, n = (scores.find(metric, layout="cramped_room") for metric in ("mean", "n"))
+        assert n.value == pytest.approx(mean.value / 40)
+        assert scores.find("pots", layout="cramped_room", params={"chef": 0}).value > 0
+    assert recompute(scored.folder).rows == scored.scores.rows
 
 
 def test_a_fresh_salt_is_written_down_and_kept_for_its_folder(protocol, tmp_path, capsys):

@@ -11,13 +11,16 @@ from overcooked_bench.estimate import ratio_interval, t_interval, weighted_inter
 from overcooked_bench.evaluation import statistics
 from overcooked_bench.evaluation.statistics import (
     describe_low_quantile,
+    detectable,
     low_quantile,
     lower_bound,
     ordered,
+    seeds_needed,
     tail_mean,
     tail_quantile,
     threshold,
     upper_bound,
+    weighted_tail,
 )
 
 
@@ -147,6 +150,26 @@ def test_the_smallest_seed_lies_below_the_quantile_as_often_as_the_table_says(se
     assert (bound is None) == (seeds < 19)
     if bound is not None:
         assert (bound.rank, bound.confidence) == (1, pytest.approx(chance, abs=0.0005))
+
+
+def test_the_worst_part_counts_partners_by_their_shares():
+    values, shares = [[0.9, 0.1, 0.5], [0.0, 0.3, 0.6]], [0.5, 0.25, 0.25]
+    assert weighted_tail(values, shares, 1 / 3) == pytest.approx([(0.1 * 0.25 + 0.5 / 12) * 3, 0.0])
+    assert weighted_tail(values, shares, 1.0) == pytest.approx(np.array(values) @ shares)
+    assert weighted_tail(values, shares, 0.25) == pytest.approx([0.1, 0.0])
+
+
+def test_what_training_seeds_buy():
+    """With the spread of N over self-play runs: about 0.1 on a layout, 0.035 for the mean of five."""
+    assert seeds_needed(0.10, 0.10) == 9
+    assert detectable(0.035, 5) == pytest.approx(0.051, abs=0.001)
+    assert detectable(0.10, 9) <= 0.10 < detectable(0.10, 8)
+    assert seeds_needed(0.001, 1.0) is None
+    rng = np.random.default_rng(6)
+    halves = [
+        (found.high - found.low) / 2 for found in (welch_interval(*rng.normal(0, 0.1, (2, 9))) for _ in range(400))
+    ]
+    assert np.mean(halves) == pytest.approx(detectable(0.1, 9), rel=0.05)
 
 
 def test_no_lower_bound_below_nineteen_seeds():

@@ -14,10 +14,11 @@ from overcooked_bench.evaluation.cells import PartnerLabel, pack_labels, read_ce
 from overcooked_bench.evaluation.games.block import play_block
 from overcooked_bench.evaluation.games.episode import Episode
 from overcooked_bench.evaluation.games.store import Store, StoreError
+from overcooked_bench.evaluation.protocol import Report
 from overcooked_bench.evaluation.scores import SCHEMA, ScoresError, read_scores
 from overcooked_bench.evaluation.statistics import low_quantile
 from overcooked_bench.evaluation.summary import describe_interval, recompute, summarise
-from tests.evaluation.made import block, changed
+from tests.evaluation.made import block, changed, reporting
 
 PARTNERS = {"ann": "trained", "bob": "trained", "cat": "scripted", "stay": "floor"}
 OLD = Path(__file__).parents[1] / "data" / "upgrades" / "score-1"
@@ -168,18 +169,21 @@ def test_a_missing_episode_is_one_message(tmp_path):
             read_cells(store, ["cramped_room"], 1, 2, (0,))
 
 
-def test_the_interval_says_what_it_is_about():
-    assert "5 training seeds" in describe_interval(5, 10)
-    assert "given these start states and random streams" in describe_interval(5, 10)
-    assert "nothing about retraining" in describe_interval(1, 10)
-    assert describe_interval(1, 1).startswith("No intervals")
+def test_the_interval_says_what_it_is_about(protocol):
+    plain, repaired = protocol.report, reporting(protocol, estimators="repaired").report
+    assert "5 training seeds" in describe_interval(5, 10, plain)
+    assert "given these start states and random streams" in describe_interval(5, 10, repaired)
+    assert "nothing about retraining" in describe_interval(1, 10, plain)
+    assert "over the partners of each stratum" in describe_interval(1, 1, repaired)
+    assert describe_interval(1, 1, plain).startswith("No intervals")
 
 
 def test_a_score_of_schema_1_is_read_and_its_store_gives_the_same_numbers():
     old = read_scores(OLD)
     assert old.schema == SCHEMA
     assert (old.agent.name, old.protocol.name, old.pool.name, old.unranked) == ("greedy", "mini", "dev-v0", None)
-    assert old.scenarios.total.items == 210
+    total = old.scenarios.total
+    assert (old.scenarios.counted, total.attempted + total.not_attempted) == ("situations", 210)
     again = recompute(OLD)
     numbers = {row.about: tuple(row.estimate) for row in again.rows}
     compared = 0
@@ -191,6 +195,45 @@ def test_a_score_of_schema_1_is_read_and_its_store_gives_the_same_numbers():
     assert compared == 2 * (1 + 2 + 3 + 3 + 2 + 7 + 9 * 5) + 1
     assert again.overall == old.overall
     assert [layout.partners for layout in again.layouts] == [layout.partners for layout in old.layouts]
+
+
+def test_a_score_of_schema_2_is_read_and_its_store_gives_the_same_numbers():
+    old, again = read_scores(OLD.parent / "score-2"), recompute(OLD.parent / "score-2")
+    assert (old.schema, old.agent.name, old.protocol.name, old.unranked) == (SCHEMA, "greedy", "mini", None)
+    assert old.overall == again.overall
+    total = old.scenarios.total
+    assert (old.scenarios.counted, total.passed, total.attempted, total.not_attempted) == ("situations", 167, 210, 0)
+    numbers = {row.about: row for row in again.rows}
+    for row in old.rows:
+        same = numbers[row.about]
+        assert (row.low, row.high) == pytest.approx((same.low, same.high)), row.about
+        assert row.per_repetition == pytest.approx(same.per_repetition), row.about
+    assert {row.metric for row in again.rows} >= {"pots", "hand_overs", "blocked", "idle"}, "episodes were replayed"
+
+
+def test_the_same_games_are_reported_in_another_way(protocol):
+    report = Report(thresholds=(2,), metrics=("threshold",), estimators="repaired")
+    again = recompute(OLD.parent / "score-2", report)
+    assert again.settings.report == report
+    assert [row.params for row in again.select("threshold", layout="cramped_room")] == [{"soups": 2}]
+    assert {row.metric for row in again.rows} == {"mean", "threshold"}
+    assert "over the partners of each stratum" in again.interval
+
+
+@pytest.mark.parametrize(
+    ("seeds", "kind", "unranked"),
+    [(1, "agent", None), (4, "runs", "4 training runs; a method has 5 at least"), (5, "method", None)],
+)
+def test_a_method_has_five_training_runs(seeds, kind, unranked, tmp_path, protocol):
+    returns = drawn(seeds)
+    ranks = summarised(tmp_path, reporting(protocol, headlines=("mean",)), returns)
+    assert ranks.kind == kind
+    assert (ranks.unranked is None) == (unranked is None)
+    assert unranked is None or unranked in ranks.unranked
+    assert ranks.overall == ranks.find().estimate, "an overall score is shown in any case"
+    assert summarised(tmp_path, protocol, returns, "old").unranked is None
+    never = summarised(tmp_path, reporting(protocol, ranked=False), returns, "never")
+    assert never.unranked == "the protocol tiny does not rank"
 
 
 def test_declined_layouts_of_schema_1_leave_no_overall(tmp_path):
@@ -206,7 +249,7 @@ def test_declined_layouts_of_schema_1_leave_no_overall(tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"schema": 3}, "its schema is 3; this version reads 2"),
+        ({"schema": 4}, "its schema is 4; this version reads 3"),
         ({"schema": None}, "its schema is None"),
         ({"layouts": [1]}, "not a score.json of schema 1"),
         ({"settings": []}, "not a score.json of schema 1"),

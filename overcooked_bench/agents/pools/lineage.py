@@ -25,6 +25,25 @@ class Finding(NamedTuple):
     text: str
 
 
+class Origin(NamedTuple):
+    """Where an agent comes from.
+
+    Attributes:
+        codebase: The project whose training code made it; None for this one, "" if nobody trained it.
+        people: Whose recorded games it was made from, or its training partners were.
+    """
+
+    codebase: str | None
+    people: tuple[str, ...] = ()
+
+
+def origin_of(entries: Iterable[Entry]) -> Origin:
+    """Returns the common origin of trained agents of one method; the people are those of all of them together."""
+    found = list(entries)
+    people = sorted({person for entry in found for person in entry.people or ()})
+    return Origin(found[0].trained.codebase, tuple(people))
+
+
 def check_lineages(manifest: Manifest, others: Sequence[Manifest] = ()) -> list[Finding]:
     """Finds trained agents with undeclared ties.
 

@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import Final
 
 from overcooked_bench.agents.agent import Agent, UnknownLayout
+from overcooked_bench.agents.pools.lineage import Origin
 from overcooked_bench.agents.saying import describe, say, value
 from overcooked_bench.agents.submissions.checks import AgentError, check_agent
 from overcooked_bench.agents.submissions.content import ENTRY, content, hash_submission
@@ -23,6 +24,7 @@ from overcooked_bench.agents.submissions.running import Running, SubmittedAgent
 
 MAKE_AGENT: Final = "make_agent"
 MOST_TRAINING_SEEDS: Final = 1000
+THIS_CODEBASE: Final = "overcooked-bench"
 _numbers = count()
 
 
@@ -37,6 +39,7 @@ class Submission:
         make_agent: `make_agent(layout, training_seed)` returns an agent that keeps the contract as far as can be seen;
             raises UnknownLayout if the submission does, and AgentError for every other fault.
         sha256: Hash of its files, see `content.hash_submission`; hexadecimal.
+        origin: What `CODEBASE` and `PEOPLE` say; None if it defines neither.
     """
 
     name: str
@@ -44,6 +47,7 @@ class Submission:
     training_seeds: int
     make_agent: Callable[[str, int], Agent]
     sha256: str
+    origin: Origin | None
 
 
 def load_submission(path: str | Path, function: str = MAKE_AGENT) -> Submission:
@@ -99,7 +103,25 @@ def load_submission(path: str | Path, function: str = MAKE_AGENT) -> Submission:
         return SubmittedAgent(agent, observation, running)
 
     name = path.name if path.is_dir() else path.stem
-    return Submission(name, path, seeds, make_agent, sha256)
+    return Submission(name, path, seeds, make_agent, sha256, _origin(module, file))
+
+
+def _origin(module: ModuleType, file: Path) -> Origin | None:
+    """Reads where the agents come from, as far as the submission says."""
+    if not (hasattr(module, "CODEBASE") or hasattr(module, "PEOPLE")):
+        return None
+    codebase, people = getattr(module, "CODEBASE", ""), getattr(module, "PEOPLE", ())
+    if type(codebase) is not str:
+        raise AgentError(
+            f"{file}: CODEBASE is {value(codebase)}; write the project whose training code made the agents, such as "
+            f'CODEBASE = "stable-baselines3", or "{THIS_CODEBASE}", or "" if nobody trained them'
+        )
+    if type(people) not in (list, tuple) or not all(type(person) is str for person in people):
+        raise AgentError(
+            f"{file}: PEOPLE is {value(people)}; list those whose recorded games the agents or their training partners "
+            'were made from, such as PEOPLE = ["2019-00", "2019-02"]'
+        )
+    return Origin(None if codebase == THIS_CODEBASE else codebase, tuple(people))
 
 
 def _execute(file: Path, running: Running) -> ModuleType:

@@ -18,6 +18,11 @@ def levels(report: Report, cells: Cells) -> Iterable[Params]:
     return [{"soups": soups} for soups in report.thresholds]
 
 
+def of_partners(cells: Cells, soups: float) -> NDArray[np.float64]:
+    """Returns (S, P), 1 for each partner with whom a training seed reaches the level, else 0."""
+    return np.asarray(cells.means >= soups * cells.soup_points, np.float64)
+
+
 def per_repetition(cells: Cells, soups: float) -> NDArray[np.float64]:
     """Returns each training seed's share of partners with a mean return of so many soups."""
     return reached(cells.means, soups * cells.soup_points) / len(cells.partners)
@@ -45,6 +50,8 @@ METRIC: Final = Metric(
     ),
     per_repetition=per_repetition,
     params=levels,
+    of_partners=of_partners,
+    counts=True,
     interval=interval,
     highest=1.0,
     place=10,

@@ -15,6 +15,8 @@ from overcooked_bench.estimate import Estimate, student
 
 FEWEST_UNITS: Final = 3
 """With fewer independent agents nothing can be said about others of their kind."""
+FEWEST_OF_RATIO: Final = 10
+"""With fewer, a ratio has no interval: four that form unequal cliques would be covered in 0.77 of the cases."""
 _DRAWS: Final = 2000
 
 
@@ -40,8 +42,8 @@ def agreement(means: ArrayLike, lineages: Sequence[str]) -> Agreement:
 
     An interval is Student's t with U - 1 degrees of freedom times the standard deviation over draws of U units with
     replacement, rows and columns together, pairs of one lineage left out. In simulations with additive agents, cliques
-    and agents that agree at random it covers the truth in 0.88 to 1.0 of the cases from six units on; four units that
-    form unequal cliques, 0.77.
+    and agents that agree at random it covers the truth in 0.88 to 1.0 of the cases from six units on. A ratio has one
+    from `FEWEST_OF_RATIO` units on.
 
     Args:
         means: (P, P), row: the agent on seat 0, column: the one on seat 1.
@@ -65,6 +67,8 @@ def agreement(means: ArrayLike, lineages: Sequence[str]) -> Agreement:
         counts = counts[(counts > 0).sum(axis=1) > 1]  # one unit alone makes no pair
         drawn = _estimates(counts[:, unit].astype(np.float64), matrix, strangers)
         half = student(units - 1) * drawn.std(axis=1) * (units / (units - 1)) ** 0.5
+    if units < FEWEST_OF_RATIO:
+        half[2] = np.nan
     self_play, cross_play, ratio = (_interval(*pair) for pair in zip(own, half, strict=True))
     return Agreement(self_play, cross_play, ratio if own[0] > 0 else None, units)
 

@@ -5,12 +5,48 @@ Axes: A agents, P partners, E episodes from each seat, K = 2 seats of the agent,
 
 from collections import defaultdict
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from overcooked_bench.agents.pools.records import Entry
 from overcooked_bench.errors import WrongUse
+
+
+class Reach(Protocol):
+    """What can be reached with a partner from one side: a `Bound` of a manifest, or what a score keeps of it."""
+
+    @property
+    def side(self) -> int:
+        """Region that the other agent starts in."""
+
+    @property
+    def floor(self) -> float:
+        """Points per episode that mean 0."""
+
+    @property
+    def ceiling(self) -> float:
+        """Points per episode that mean 1."""
+
+
+class Known(Protocol):
+    """What is known about a partner: an `Entry` of a manifest, or what a score keeps of it."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def stratum(self) -> str:
+        """Its origin."""
+
+    @property
+    def weight(self) -> float | None:
+        """Its share of its stratum; None if all weigh the same."""
+
+    @property
+    def bounds(self) -> Sequence[Reach] | None:
+        """What can be reached, by side; None if nobody knows."""
 
 
 def side_means(returns: ArrayLike, sides: ArrayLike, count: int | None = None) -> NDArray[np.float64]:
@@ -31,7 +67,7 @@ def side_means(returns: ArrayLike, sides: ArrayLike, count: int | None = None) -
     return np.asarray(np.divide(total, number, out=np.full(total.shape, np.nan), where=number > 0))
 
 
-def normalised(means: ArrayLike, partners: Sequence[Entry]) -> NDArray[np.float64]:
+def normalised(means: ArrayLike, partners: Sequence[Known]) -> NDArray[np.float64]:
     """Computes N of each agent with each partner from each side: (mean - floor) / (ceiling - floor), unclipped.
 
     Args:
@@ -51,20 +87,20 @@ def normalised(means: ArrayLike, partners: Sequence[Entry]) -> NDArray[np.float6
         for side in np.flatnonzero(np.isfinite(given[:, index]).any(axis=0)).tolist():
             if side not in bounds:
                 raise WrongUse(
-                    f"{entry.layout}/{entry.name} has no floor and ceiling for side {side}; score with a pool whose "
+                    f"{entry.name} has no floor and ceiling for side {side}; score with a pool whose "
                     "manifest holds the bounds of all its partners, such as v1"
                 )
             floor, ceiling = bounds[side].floor, bounds[side].ceiling
             if ceiling <= floor:
                 raise WrongUse(
-                    f"{entry.layout}/{entry.name}, side {side}: the ceiling of {ceiling:g} points is not above the "
+                    f"{entry.name}, side {side}: the ceiling of {ceiling:g} points is not above the "
                     f"floor of {floor:g}; leave this partner out"
                 )
             found[:, index, side] = (given[:, index, side] - floor) / (ceiling - floor)
     return found
 
 
-def partner_shares(partners: Sequence[Entry]) -> NDArray[np.float64]:
+def partner_shares(partners: Sequence[Known]) -> NDArray[np.float64]:
     """Returns each partner's share of the whole score: strata have the same share, and divide it by `Entry.weight`.
 
     Where a stratum's partners have no weights, they weigh the same.

@@ -2,6 +2,7 @@
 
 from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.compare import Comparison, Difference
+from overcooked_bench.evaluation.scores import ABOUT
 from overcooked_bench.evaluation.shown.tables import figure
 from overcooked_bench.rendering.table import Cell, Column, Table
 
@@ -18,7 +19,8 @@ def comparison_table(found: Comparison) -> Table:
         pair = (figure(Estimate(value), facts) for value in (one.first, one.second))
         return [one.layout or "mean of layouts", *of, *pair, figure(one.difference, facts, interval=True)]
 
-    chosen = [one for one in found.differences if (one.seat, one.stratum, one.partner) == (None, None, None)]
+    parts = [name for name in ABOUT if name != "layout"]
+    chosen = [one for one in found.differences if all(getattr(one, name) is None for name in parts)]
     return Table(
         [heads[0], *(Column(head, wrap=False) for head in heads[1:])],
         [cells(one) for one in chosen if one.layout],

@@ -95,9 +95,9 @@ def scenarios_table(scenarios: ScenarioScore) -> Table:
     def cells(one: CategoryScore) -> list[Cell]:
         missing = count_text(one.not_attempted) if one.not_attempted else NONE
         share = Number(f"{one.share.value:.2f}", one.share.text(2).partition(" ")[2])
-        return [one.category, count_text(one.passed), str(one.items), share, missing]
+        return [one.category, count_text(one.passed), count_text(one.attempted), share, missing]
 
-    heads = ["scenarios", "passed", "of", "mean of families [95 %]", "not attempted"]
+    heads = [scenarios.counted, "passed", "of", "share", "not attempted"]
     return Table(heads, [cells(one) for one in scenarios.categories], [cells(scenarios.total)])
 
 

@@ -81,6 +81,9 @@ def test_intervals_cover_the_truth(size, cliques):
     rng, runs = np.random.default_rng(1), 150
     found = [agreement(games(rng, size, cliques), NAMES[:size]) for _ in range(runs)]
     for one, truth in (("self_play", 180), ("cross_play", 100), ("ratio", 100 / 180)):
+        if one == "ratio" and size < 10:
+            assert all(a.ratio.interval is None for a in found)
+            continue
         covered = np.mean([getattr(a, one).low <= truth <= getattr(a, one).high for a in found])
         assert covered > 0.88, one
 
