@@ -18,6 +18,8 @@ from typing import Any, Final
 
 _ONE_THREAD: Final = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 _STOPS: Final = (signal.SIGINT, signal.SIGTERM)
+_STARTING: Final = threading.Lock()
+"""Held while a process starts, which changes what all threads share."""
 
 
 def start_process(function: Callable[..., object], *arguments: Any, name: str) -> SpawnProcess:
@@ -28,7 +30,7 @@ def start_process(function: Callable[..., object], *arguments: Any, name: str) -
         arguments: Its arguments, picklable.
         name: The process's name in messages of `multiprocessing`.
     """
-    with hold_stops(), _quietly():
+    with _STARTING, hold_stops(), _quietly():
         process = multiprocessing.get_context("spawn").Process(target=function, args=arguments, name=name)
         process.start()
     return process
@@ -103,13 +105,20 @@ def hold_stops() -> Iterator[None]:
 
 @contextmanager
 def _quietly() -> Iterator[None]:
-    """Sets up the rest that a new process inherits: one thread, and no script to run."""
+    """Sets up the rest that a new process inherits: one thread, and no script to run.
+
+    A daemonic process, such as a worker of Dask, may not start another one, which it would leave behind; ours follow.
+    """
     environment, script = {name: os.environ.get(name) for name in _ONE_THREAD}, sys.modules["__main__"]
+    settings: dict[str, Any] = vars(multiprocessing.current_process()).get("_config", {})
+    daemonic = settings.pop("daemon", None)
     try:
         os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
         sys.modules["__main__"] = ModuleType("__main__")
         yield
     finally:
+        if daemonic is not None:
+            settings["daemon"] = daemonic
         sys.modules["__main__"] = script
         for name, value in environment.items():
             if value is None:

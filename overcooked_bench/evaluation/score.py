@@ -125,10 +125,7 @@ def score(
     play = rules.play
     untrusted = runs_code(agent)
     with open_engine(engine, workers, apart=untrusted) as opened:
-        if untrusted and engine == "local":
-            entrant = _identify(agent, play.mode, opened, act_timeout)
-        else:
-            entrant = find(agent, mode=play.mode)
+        entrant = _identify(agent, play.mode, opened, act_timeout) if untrusted else find(agent, mode=play.mode)
         partners = _load_pool(rules, pool)
         chosen, skipped = _choose(rules, layouts, entrant)
         check_pool(partners, rules, chosen)

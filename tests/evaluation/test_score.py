@@ -68,14 +68,24 @@ def test_a_score_is_written_and_read_back(protocol, pool_folder, tmp_path):
     assert set(scores.run) >= {"seconds", "workers", "engine", "versions"}
 
 
-@pytest.mark.slow
-def test_two_workers_write_the_same_bytes_as_one(pool_folder, tmp_path):
+@pytest.fixture(scope="module")
+def by_one_worker(pool_folder, tmp_path_factory):
+    """A submission, what it is scored under, and its score by one worker."""
+    home = tmp_path_factory.mktemp("one")
     protocol = read_protocol(protocol_text(episodes=3), "p.yaml")
-    agent = write_agent(tmp_path / "agent.py", act="return np.random.randint(0, 6, n)", training_seeds=2)
-    for workers in (1, 2):
-        score(agent, protocol, pool=pool_folder, output=tmp_path / str(workers), workers=workers)
-    assert without_run(tmp_path / "1") == without_run(tmp_path / "2")
-    with Store(tmp_path / "1" / EPISODES_FILE) as one, Store(tmp_path / "2" / EPISODES_FILE) as two:
+    agent = write_agent(home / "agent.py", act="return np.random.randint(0, 6, n)", training_seeds=2)
+    score(agent, protocol, pool=pool_folder, output=home / "out")
+    return agent, protocol, home / "out"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ["local", "dask", "ray"])
+def test_two_workers_of_any_engine_write_the_same_bytes_as_one(engine, by_one_worker, pool_folder, tmp_path):
+    agent, protocol, before = by_one_worker
+    relative = os.path.relpath(agent)  # to where the score is started
+    score(relative, protocol, pool=pool_folder, output=tmp_path / "out", workers=2, engine=engine)
+    assert without_run(tmp_path / "out") == without_run(before)
+    with Store(tmp_path / "out" / EPISODES_FILE) as one, Store(before / EPISODES_FILE) as two:
         assert list(one.episodes()) == list(two.episodes())
 
 

@@ -1,6 +1,5 @@
 """Worker processes on this machine: one that dies or hangs costs its own task, and a new one takes its place."""
 
-import atexit
 import multiprocessing
 import os
 import pickle
@@ -12,6 +11,7 @@ from collections.abc import Callable, Generator, Iterable
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
+from multiprocessing.util import Finalize
 from typing import Any, Final, TypeVar
 
 from overcooked_bench.agents.watch import Board, watch_by
@@ -40,6 +40,10 @@ class Crew(AbstractContextManager["Crew"]):
         self._busy: list[_Worker] = []
 
     def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Ends all workers."""
         while workers := [*self._idle, *self._busy]:
             workers[0].end()
             self._forget(workers[0])
@@ -53,7 +57,8 @@ class Crew(AbstractContextManager["Crew"]):
     ) -> Generator[Result, None, None]:
         """Applies a function to tasks and yields the results as they come.
 
-        What the function prints goes to standard error.
+        What the function prints goes to standard error. A task whose worker was killed from outside, as by a machine
+        that lacks memory, is given to another one once.
 
         Args:
             function: Importable by name.
@@ -64,10 +69,13 @@ class Crew(AbstractContextManager["Crew"]):
         Raises:
             Exception: What the function raised.
         """
-        remaining = iter(tasks)
+        remaining, again, retried = iter(tasks), list[Any](), list[Any]()
         try:
             while True:
-                while len(self._busy) < self._workers and (task := next(remaining, _NOTHING)) is not _NOTHING:
+                while len(self._busy) < self._workers:
+                    task = again.pop() if again else next(remaining, _NOTHING)
+                    if task is _NOTHING:
+                        break
                     with hold_stops():  # until it is known which process to end
                         worker = self._idle.pop() if self._idle else _Worker()
                         self._busy.append(worker)
@@ -82,7 +90,12 @@ class Crew(AbstractContextManager["Crew"]):
                     self._forget(worker)
                     if isinstance(answer, _Lost):
                         worker.end()
-                        yield lost(worker.task, answer.why)
+                        task = worker.task
+                        if answer.killed and not any(task is other for other in retried):
+                            again.append(task)
+                            retried.append(task)
+                        else:
+                            yield lost(task, answer.why)
                         continue
                     self._idle.append(worker)
                     if isinstance(answer, _Raised):
@@ -115,9 +128,10 @@ class _Raised:
 
 @dataclass(frozen=True)
 class _Lost:
-    """Why a task came to nothing, in words."""
+    """Why a task came to nothing, in words, and whether the worker was killed."""
 
     why: str
+    killed: bool = False
 
 
 class _Worker:
@@ -135,7 +149,7 @@ class _Worker:
         self.answers, theirs = context.Pipe()
         self._process = start_process(_work, theirs, self._board, name="overcooked-bench worker")
         theirs.close()
-        atexit.register(self.end)  # where nobody left the crew's context
+        self._at_exit = Finalize(None, self.end, exitpriority=1)  # where nobody left the crew's context
         self._call, self._since = 0, 0.0
 
     def give(self, function: Callable[[Any], Any], task: Any) -> None:
@@ -151,12 +165,12 @@ class _Worker:
             try:
                 answer = self.answers.recv()
             except (EOFError, OSError):
-                return _Lost(self._death())
+                return self._death()
             except Exception as error:
                 return _Lost(f"the worker process sent no result ({type(error).__name__})")
             return answer if isinstance(answer, _Done | _Raised) else _Lost("the worker process sent no result")
         if not alive:
-            return _Lost(self._death())
+            return self._death()
         why = self._overdue(patience)
         return _Lost(why) if why else None
 
@@ -177,9 +191,9 @@ class _Worker:
         self._process.kill()  # before it had a group of its own
         self._process.join()
         self.answers.close()
-        atexit.unregister(self.end)
+        self._at_exit.cancel()
 
-    def _death(self) -> str:
+    def _death(self) -> "_Lost":
         self._process.join(timeout=5)
         code = self._process.exitcode
         if code is None:
@@ -189,7 +203,8 @@ class _Worker:
         else:
             how = f"was ended by {signal.Signals(-code).name}"
             how += ", perhaps for lack of memory: use fewer --workers" if code == -signal.SIGKILL else ""
-        return f"{self._board.what}: the worker process {how}" if self._board.call else f"the worker process {how}"
+        what = f"{self._board.what}: " if self._board.call else ""
+        return _Lost(f"{what}the worker process {how}", killed=code == -signal.SIGKILL)
 
 
 def _work(pipe: Connection, board: Board) -> None:

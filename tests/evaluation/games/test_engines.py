@@ -6,10 +6,12 @@ import subprocess
 import sys
 import time
 
+import dask
 import pytest
 
 from overcooked_bench.agents.pools.pool import PoolError
 from overcooked_bench.agents.watch import calling
+from overcooked_bench.evaluation.games import engines
 from overcooked_bench.evaluation.games.engines import EngineError, map_tasks, open_engine, refuse
 
 
@@ -57,8 +59,12 @@ def gone(pids, within=20):
     return True
 
 
+ENGINES = ["local", "dask", "ray"]
+
+
 @pytest.mark.slow
-def test_a_task_costs_itself_alone_when_its_process_dies_or_hangs():
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_task_costs_itself_alone_when_its_process_dies_or_hangs(engine):
     tasks = [
         ("exit", 0),
         ("loop", 12),
@@ -66,8 +72,12 @@ def test_a_task_costs_itself_alone_when_its_process_dies_or_hangs():
         ("die in a call", 7),
         *[("work", i) for i in range(5)],
     ]
-    with open_engine("local", 2) as engine:
-        found = list(engine.map(act, tasks, lost, patience=1.0))
+    with open_engine(engine, 2, apart=True) as opened:
+        found = list(opened.map(act, tasks, lost, patience=1.0))
+        with pytest.raises(PoolError, match="no pool named 'x'") as caught:
+            list(opened.map(act, [("raise", "x")], lost))
+        assert [how for how, *_ in opened.map(act, [("work", 0)], lost)] == ["done"]
+    assert "in a worker process" in caught.value.__notes__[0]
     assert sorted(result[:2] for result in found) == sorted(
         ("lost" if what != "work" else "done", what) for what, _ in tasks
     )
@@ -87,14 +97,6 @@ def test_one_worker_apart_is_another_process_and_stays_for_the_next_tasks():
     assert [pid for _, _, pid in map_tasks(act, [("work", 0)])] == [os.getpid()]
 
 
-def test_an_error_comes_back_as_itself_with_the_workers_traceback():
-    with open_engine("local", 1, apart=True) as engine:
-        with pytest.raises(PoolError, match="no pool named 'x'") as caught:
-            list(engine.map(act, [("raise", "x")], lost))
-        assert "in a worker process" in caught.value.__notes__[0]
-        assert [how for how, *_ in engine.map(act, [("work", 0)], lost)] == ["done"]
-
-
 def test_without_another_answer_a_dead_process_is_an_engine_error():
     with pytest.raises(EngineError, match="exit code 3; finished work is kept"):
         list(map_tasks(act, [("exit", 3)], workers=2))
@@ -109,6 +111,7 @@ def test_what_a_task_started_ends_with_its_worker():
 
 SCRIPT = """
 import sys
+from overcooked_bench.evaluation.games import engines
 from overcooked_bench.evaluation.games.engines import open_engine, refuse
 from tests.evaluation.games.test_engines import act
 print("the script runs", flush=True)
@@ -141,6 +144,7 @@ def test_workers_follow_their_parent(how, last, tmp_path):
 
 
 LEFT = """
+from overcooked_bench.evaluation.games import engines
 from overcooked_bench.evaluation.games.engines import map_tasks
 from tests.evaluation.games.test_engines import act
 results = map_tasks(act, [("work", 0), ("sleep", 1000)], workers=2)
@@ -167,12 +171,29 @@ def say(line):
     os.write(1, b"by its own file\n")
 
 
-@pytest.mark.parametrize("engine", ["dask", "ray"])
-def test_a_cluster_loses_no_other_task(engine):
-    pytest.importorskip("distributed" if engine == "dask" else "ray")
+def kill_once(task):
+    """Kills its own process the first time, or with "parent" the worker of a cluster that started it."""
+    whom, marker = task
+    if whom and not os.path.exists(marker):
+        open(marker, "w").close()
+        os.kill(os.getppid() if whom == "parent" else os.getpid(), signal.SIGKILL)
+    return whom
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("engine", "whom"), [("local", "itself"), ("dask", "parent"), ("ray", "parent")])
+def test_a_task_whose_worker_is_killed_is_done_again(engine, whom, tmp_path):
+    tasks = [(whom, str(tmp_path / "killed")), *[("", "")] * 5]
     with open_engine(engine, 2) as opened:
-        found = list(opened.map(act, [("exit", 1), *[("work", i) for i in range(9)]], lost))
-        assert sorted(result[0] for result in found) == ["done"] * 9 + ["lost"]
-        assert [told for how, _, told in found if how == "lost"] == ["the worker process died 3 times"]
-        with pytest.raises(PoolError, match="no pool named 'x'"):
-            list(opened.map(act, [("raise", "x")], lost))
+        assert sorted(opened.map(kill_once, tasks, refuse)) == [*[""] * 5, whom]
+    assert (tmp_path / "killed").exists()
+
+
+@pytest.mark.slow
+def test_a_cluster_that_does_not_answer_or_has_other_versions_is_one_line(monkeypatch):
+    nowhere = {"scheduler-address": "tcp://127.0.0.1:9", "distributed.comm.timeouts.connect": "1s"}
+    with dask.config.set(nowhere), pytest.raises(EngineError, match=r"no scheduler answers at tcp://127\.0"):
+        list(map_tasks(act, [("work", 0)], engine="dask"))
+    monkeypatch.setattr(engines, "versions", lambda: ("numpy 0.1",))
+    with pytest.raises(EngineError, match=r"worker of the cluster has overcooked-bench .*has numpy 0\.1;"):
+        list(map_tasks(act, [("work", 0)], engine="dask"))
