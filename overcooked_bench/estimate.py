@@ -132,12 +132,12 @@ def weighted_interval(groups: Sequence[tuple[float, ArrayLike]]) -> Estimate:
     return Estimate(total, total - half, total + half)
 
 
-def wilson(passed: float, n: int) -> Estimate:
+def wilson(passed: float, n: float) -> Estimate:
     """Computes a share and its Wilson interval.
 
     Args:
         passed: Number that passed; may be fractional, if families count in part.
-        n: Total number; with 0 the interval is [0, 1].
+        n: Total number, fractional too; with 0 the interval is [0, 1].
 
     Source: Wilson 1927, "Probable inference, the law of succession, and statistical inference".
     """

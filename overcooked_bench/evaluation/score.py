@@ -141,6 +141,8 @@ def score(
         notes = {
             "settings": msgspec.json.encode(rules).decode(),
             "agent_name": entrant.name,
+            **_as_given("agent", entrant.reference if isinstance(agent, Mapping) else agent),
+            **_as_given("pool", pool),
             "pool_name": partners.name,
             "training_seeds": str(entrant.training_seeds),
             "partners": pack_labels({layout: _labels(partners, layout, entrant) for layout in chosen}),
@@ -233,6 +235,11 @@ def _load_pool(rules: Protocol, instead: str | Path | None) -> Pool:
             f"{pool.hash}; take the release that the protocol comes with, or name a pool with --pool"
         )
     return pool
+
+
+def _as_given(what: str, reference: str | Path | None) -> dict[str, str]:
+    """Notes how an agent or a pool was named, unless by an absolute path, which says something about a machine."""
+    return {} if reference is None or Path(reference).is_absolute() else {f"{what}_given": str(reference)}
 
 
 def _labels(pool: Pool, layout: str, entrant: Entrant) -> list[PartnerLabel]:

@@ -1,0 +1,172 @@
+import json
+import shutil
+from collections import Counter
+
+import msgspec
+import pytest
+
+from overcooked_bench.agents.policies.policy import load_policy, save_policy
+from overcooked_bench.errors import WrongUse
+from overcooked_bench.evaluation.explaining.explain import explain
+from overcooked_bench.evaluation.explaining.reasons import FAILURES, PAIRINGS, reason_for
+from overcooked_bench.evaluation.explaining.records import EXPLAIN_FILE, ExplanationError, read_explanation
+from overcooked_bench.evaluation.games.play import play_episodes
+from overcooked_bench.evaluation.protocol import read_protocol
+from overcooked_bench.scenarios.items import load_items
+from overcooked_bench.scenarios.runner import run_scenarios
+from tests.evaluation.explaining.conftest import HABITS, LAYOUT
+from tests.evaluation.made import protocol_text, score, write_agent
+
+pytestmark = pytest.mark.slow
+
+
+def reasons(explanation, partner):
+    return Counter(moment.reason for moment in explanation.layouts[0].moments if moment.partner == partner)
+
+
+def test_habits_that_do_not_fit_are_a_clash_that_is_named(explained):
+    found = reasons(explained.explanation, "sp-4")
+    assert found["clash"] >= 0.5 * found.total()
+    (layout,) = explained.explanation.layouts
+    assert layout.conventions == {"0": "onions=bottom, dishes=middle"}
+    for moment in layout.moments:
+        if moment.partner == "sp-4":
+            assert (moment.differ, moment.agree) == (("onions", "dishes"), ())
+    onions = next(axis for axis in layout.axes if axis.axis == "onions" and axis.differ)
+    differ = [moment.reason for moment in layout.moments if "onions" in moment.differ and moment.reason != "nothing"]
+    assert onions.shares.moments == len(differ)
+    assert onions.shares.reasons["clash"].value == pytest.approx(differ.count("clash") / len(differ))
+
+
+@pytest.mark.parametrize("partner", ["stay", "onion_courier"])
+def test_partners_that_reach_nothing_alone_are_weak(explained, partner):
+    found = reasons(explained.explanation, partner)
+    assert found["weak partner"] > 0.5 * found.total()
+    assert set(found) <= {"weak partner", "neither", "works"}
+
+
+def test_an_agent_that_does_not_know_what_to_do_is_out_of_its_experience(rules, strangers, tmp_path):
+    folder = score("random", rules, pool=strangers, output=tmp_path / "out").folder
+    found = reasons(explain(folder, pool=strangers, moments=15).explanation, "sp-4")
+    assert found["inexperience"] >= 0.7 * found.total()
+    assert not found["clash"]
+    assert not found["weak partner"]
+
+
+def test_two_copies_of_one_policy_do_not_clash(rules, strangers, tmp_path):
+    """The control: an agent whose partner has the same habits, as its weights differ by a thousandth."""
+    policy = load_policy(strangers / LAYOUT / "sp-4.safetensors")
+    weights = {name: 1.001 * tensor for name, tensor in policy.weights.items()}
+    agent = str(save_policy(tmp_path / "same", policy.architecture, weights).weights)
+    folder = score(agent, rules, pool=strangers, output=tmp_path / "out").folder
+    found = reasons(explain(folder, agent=agent, pool=strangers, moments=24).explanation, "sp-4")
+    assert found["works"] >= 0.8 * found.total()
+
+
+def test_the_same_folder_is_explained_in_the_same_bytes(explained, scored, strangers, tmp_path):
+    shutil.copytree(scored, tmp_path / "copy")
+    for file in (tmp_path / "copy" / "moments").iterdir():
+        file.unlink()
+    (tmp_path / "copy" / "moments" / "moment-old-1.scenario.yaml").write_text("id: moment-old-1\n")
+    explain(tmp_path / "copy", agent=HABITS, pool=strangers, workers=2, moments=24)
+    files = {file.relative_to(scored) for file in scored.rglob("*") if file.is_file()}
+    assert files == {file.relative_to(tmp_path / "copy") for file in (tmp_path / "copy").rglob("*") if file.is_file()}
+    for file in files:
+        assert (scored / file).read_bytes() == (tmp_path / "copy" / file).read_bytes()
+
+
+def test_what_is_written_is_read_again_and_can_be_summed_up(explained):
+    explanation = read_explanation(explained.folder)
+    assert explanation == explained.explanation
+    (layout,) = explanation.layouts
+    counted = [moment for moment in layout.moments if moment.reason != "nothing"]
+    assert len(layout.moments) == 24
+    assert layout.shares.moments == len(counted)
+    for moment in layout.moments:
+        assert moment.reason == reason_for(moment.soups)
+    for reason, share in layout.shares.reasons.items():
+        assert share.value == pytest.approx(sum(one.reason == reason for one in counted) / len(counted))
+    assert layout.shares.fails.value == pytest.approx(sum(layout.shares.reasons[one].value for one in FAILURES))
+    assert sum(shares.moments for shares in explanation.strata.values()) == len(counted)
+
+
+def test_the_worst_moments_can_be_watched_as_they_were_played(explained):
+    (layout,) = explained.explanation.layouts
+    assert len(layout.worst) == 3
+    for worst in layout.worst:
+        moment = layout.moments[worst.moment]
+        assert moment.reason in ("clash", "inexperience", "neither")
+        for pairing in PAIRINGS:
+            *_, (last, points) = frames = list(worst.frames(layout.layout, pairing, explained.explanation.cooking))
+            assert len(frames) == 101
+            assert last.timestep == moment.step + 100
+            assert points == 20 * worst.games[pairing].soups
+            assert worst.games[pairing].soups in getattr(moment.soups, pairing)
+
+
+def test_the_worst_moments_are_scenarios_that_run(explained):
+    (layout,) = explained.explanation.layouts
+    folder = explained.folder / "moments"
+    for worst in layout.worst:
+        assert worst.scenario == f"{worst.name}.scenario.yaml"
+        (scenario,) = {item.scenarios[0] for item in load_items(folder / worst.scenario)}
+        assert scenario.layout.name == LAYOUT
+        moment, seat = layout.moments[worst.moment], layout.moments[worst.moment].seat
+        assert list(scenario.state.chefs[0].position) == worst.state["players"][seat]["position"]
+        assert moment.partner in scenario.why
+    assert all(item.status == "failed" for item in run_scenarios("stay", folder, repeats=1).items)
+    assert run_scenarios("greedy", folder, repeats=1).passed >= len(layout.worst)
+
+
+def test_a_score_of_something_else_is_refused(scored, strangers, tmp_path):
+    with pytest.raises(WrongUse, match=r"greedy is not the agent that was scored .* with --agent"):
+        explain(scored, agent="greedy", pool=strangers)
+    with pytest.raises(WrongUse, match=r"no agent named 'gredy'.* name the agent that was scored with --agent"):
+        explain(scored, agent="gredy", pool=strangers)
+    with pytest.raises(WrongUse, match=r"dev-v0: not the pool that .* was played with .* with --pool"):
+        explain(scored, pool="dev-v0")
+    with pytest.raises(WrongUse, match="no episodes on cramped_room; choose among forced_coordination"):
+        explain(scored, layouts=["cramped_room"], pool=strangers)
+    with pytest.raises(WrongUse, match=r"episodes\.sqlite: it names no pool; .* with --pool"):
+        explain(scored)
+    short = read_protocol(protocol_text(layouts=[LAYOUT], pool=str(strangers), episodes=1), "short.yaml")
+    with pytest.raises(WrongUse, match="a horizon of 150 or more"):
+        explain(score("stay", short, output=tmp_path / "short").folder)
+
+
+def test_a_submission_that_faults_ends_with_its_fault(rules, strangers, tmp_path):
+    """It plays the score, and something else than actions once a second copy of it sits in a kitchen."""
+    act = "return np.full(n, 4 if n < 100 else 9)"
+    agent = write_agent(tmp_path / "mine.py", act=act)
+    folder = score(agent, rules, pool=strangers, output=tmp_path / "out").folder
+    with pytest.raises(Exception, match="the scored agent, step 0: act returned the action 9"):
+        explain(folder, agent=agent, pool=strangers)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda it: it.update(schema=2), "schema"),
+        (lambda it: it.update(more=1), "more"),
+        (lambda it: it["layouts"][0]["worst"][0].update(moment=99), "has no moment or not all games"),
+        (lambda it: it["layouts"][0]["worst"][0]["games"].pop("pair"), "has no moment or not all games"),
+        (lambda it: it["layouts"][0]["worst"][0]["games"]["pair"].update(actions=["U", "X"]), "actions"),
+        (lambda it: it["layouts"][0]["moments"][0].update(reason="magic"), "reason"),
+    ],
+    ids=["schema", "key", "moment", "game", "actions", "reason"],
+)
+def test_a_damaged_file_is_refused(explained, tmp_path, change, said):
+    content = json.loads(explained.explanation.to_json())
+    change(content)
+    (tmp_path / EXPLAIN_FILE).write_bytes(msgspec.json.encode(content))
+    with pytest.raises(ExplanationError, match=f"{EXPLAIN_FILE}.*{said}"):
+        read_explanation(tmp_path)
+
+
+def test_the_two_policies_reach_soups_alone():
+    """What makes the clash above one: each of the two policies knows its work."""
+    from overcooked_bench.agents.catalogue import load_agent
+
+    for name in ("sp-0", "sp-4"):
+        pair = tuple(load_agent(f"dev-v1/{LAYOUT}/{name}", LAYOUT) for _ in range(2))
+        assert play_episodes(LAYOUT, pair, episodes=20).soup_reward.mean() > 100
