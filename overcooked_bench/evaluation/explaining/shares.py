@@ -67,7 +67,7 @@ def _sums(values: NDArray[np.float64], units: Sequence[Hashable]) -> tuple[NDArr
     """Returns the sum of the values and the number of moments of each unit."""
     known = {unit: index for index, unit in enumerate(dict.fromkeys(units))}
     index = [known[unit] for unit in units]
-    amounts: NDArray[np.float64] = np.bincount(index, weights=values)
+    amounts = np.asarray(np.bincount(index, weights=values), np.float64)
     return amounts, np.bincount(index).astype(np.float64)
 
 
