@@ -14,14 +14,18 @@ from numpy.typing import NDArray
 
 from overcooked_bench.documents import parse_json
 from overcooked_bench.evaluation.games.episode import Episode
+from overcooked_bench.evaluation.games.roster import FLOOR, ITSELF, SELF
 from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.evaluation.pools.normalised import partner_shares
 from overcooked_bench.kitchen.layout import Layout
 
-FLOOR: Final = "floor"
-"""The kind of partners that are listed separately and do not count in any score."""
-
-_ARRAYS: Final = ("returns", "ego_soups", "partner_soups", "sides")
+_ARRAYS: Final = {
+    "returns": "soup_reward",
+    "ego_soups": "ego_soups",
+    "partner_soups": "partner_soups",
+    "sides": "side",
+}
+"""Arrays of cells -> columns of episodes."""
 
 
 class SideBound(msgspec.Struct, frozen=True):
@@ -84,8 +88,8 @@ class Cells:
         sides: (S, P, E, K) int64, region in which the scored agent started, as in `Layout.regions`.
         conduct: (S, P, E, K, 2, D) float64, what the scored agent and its partner did, in the order of
             `conduct.CONDUCT`; None if it was not counted.
-        self_play: (S, X) float64, points of the team in X episodes of the scored agent with itself; None if there are
-            none.
+        self_play: (S, E) float64, points of the team of the scored agent and its copy, averaged over seats; None if
+            they did not play.
     """
 
     layout: str
@@ -211,34 +215,64 @@ def _cells(
     shape: tuple[int, int, tuple[int, ...]],
     count: Callable[[Sequence[Episode]], NDArray[np.float64]] | None,
 ) -> Cells:
+    with_others = [row for row in rows if row.kind != SELF]
+    with_itself = [row for row in rows if row.kind == SELF]
+    labels = _labels(store, layout, with_others)
+    names = [label.name for label in labels]
+    places = _places(store, with_others, shape, names)
+    found: dict[str, NDArray[Any]] = {
+        name: _filled(store, layout, places, [getattr(row, column) for row in with_others], shape, names)
+        for name, column in _ARRAYS.items()
+    }
+    found["sides"] = found["sides"].astype(np.int64)
+    if count is not None:
+        done = count(with_others)
+        found["conduct"] = np.empty((*found["returns"].shape, *done.shape[1:]))
+        found["conduct"][places] = done
+    if with_itself:
+        own = _places(store, with_itself, shape, [ITSELF])
+        points = _filled(store, layout, own, [row.soup_reward for row in with_itself], shape, [ITSELF])
+        found["self_play"] = points[:, 0].mean(axis=2)
+    return Cells(layout, Layout.load(layout).soup_points, labels, shape[2], **found)
+
+
+Places = tuple[NDArray[np.int64], ...]
+
+
+def _places(
+    store: Store, rows: Sequence[Episode], shape: tuple[int, int, tuple[int, ...]], names: Sequence[str]
+) -> Places:
+    """Returns the indices of episodes: training seed, partner, start state and seat, (N,) each."""
     seeds, episodes, seats = shape
-    labels = _labels(store, layout, rows)
-    size = seeds, len(labels), episodes, len(seats)
-    index = {label.name: number for number, label in enumerate(labels)}
-    found: dict[str, NDArray[Any]] = {name: np.full(size, np.nan) for name in _ARRAYS}
-    places = []
+    index, places = {name: number for number, name in enumerate(names)}, []
     for row in rows:
-        at = row.training_seed, index[row.partner], row.episode, seats.index(row.seat) if row.seat in seats else -1
-        if row.training_seed >= seeds or row.episode >= episodes or at[3] < 0:
+        if row.training_seed >= seeds or row.episode >= episodes or row.seat not in seats:
             raise StoreError(f"{store.file}: {row.cell} does not belong to the protocol; score into another folder")
-        values = row.soup_reward, row.ego_soups, row.partner_soups, row.side
-        for name, value in zip(_ARRAYS, values, strict=True):
-            found[name][at] = value
-        places.append(at)
-    missing = np.argwhere(np.isnan(found["returns"]))
-    if len(missing) or not labels:
+        places.append((row.training_seed, index[row.partner], row.episode, seats.index(row.seat)))
+    return tuple(np.array(places, np.int64).reshape(-1, 4).T)
+
+
+def _filled(
+    store: Store,
+    layout: str,
+    places: Places,
+    values: Sequence[float],
+    shape: tuple[int, int, tuple[int, ...]],
+    names: Sequence[str],
+) -> NDArray[np.float64]:
+    """Returns an (S, P, E, K) array of one column of the episodes, none of which may be missing."""
+    seeds, episodes, seats = shape
+    found = np.full((seeds, len(names), episodes, len(seats)), np.nan)
+    found[places] = values
+    missing = np.argwhere(np.isnan(found))
+    if len(missing) or not names:
         s, p, e, k = missing[0] if len(missing) else (0, 0, 0, 0)
-        who = labels[p].name if labels else "any"
+        who = names[p] if names else "any"
         raise StoreError(
             f"{store.file}: there is no episode on {layout}, training seed {s}, episode {e}, partner {who}, seat "
             f"{seats[k]}, although its block is finished; the file was changed. Delete it, or write to another folder"
         )
-    found["sides"] = found["sides"].astype(np.int64)
-    if count is not None:
-        done = count(rows)
-        found["conduct"] = np.empty((*size, *done.shape[1:]))
-        found["conduct"][tuple(np.array(places).T)] = done
-    return Cells(layout, Layout.load(layout).soup_points, labels, seats, **found)
+    return found
 
 
 _Notes = dict[str, dict[str, PartnerLabel | tuple[str, str | None]]]

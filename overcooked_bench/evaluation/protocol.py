@@ -68,7 +68,7 @@ class Play(_Part, frozen=True, kw_only=True):
         salt: The public salt, mixed into every random stream and into the order of the rows.
         pool_sha256: Hash of the pool; another pool of the same name is refused. Protocols that rank have it.
         per_stratum: Partners of each stratum, those of greatest weight, and no floors; None for all that the pool has.
-        self_play: Episodes of the scored agent with itself on each layout, with each training run.
+        self_play: Whether the scored agent also meets a copy of itself, which counts in no score.
     """
 
     pool: str | None
@@ -83,7 +83,7 @@ class Play(_Part, frozen=True, kw_only=True):
     salt: str
     pool_sha256: str | None = None
     per_stratum: int | None = None
-    self_play: int = 0
+    self_play: bool = False
 
     def __post_init__(self) -> None:
         few = self.per_stratum is None or self.per_stratum >= 1
@@ -97,7 +97,6 @@ class Play(_Part, frozen=True, kw_only=True):
             ("salt", self.salt, is_text(self.salt), "a text"),
             ("pool_sha256", self.pool_sha256, self.pool_sha256 is None or _is_hash(self.pool_sha256), _HASH),
             ("per_stratum", self.per_stratum, few, "a number of partners from 1"),
-            ("self_play", self.self_play, 0 <= self.self_play <= MOST_EPISODES, f"a number to {MOST_EPISODES:,}"),
         )
 
     @property

@@ -27,7 +27,7 @@ from overcooked_bench.evaluation.games.roster import check_pool, roster
 from overcooked_bench.evaluation.games.store import Store
 from overcooked_bench.evaluation.games.streams import FRESH, draw_salt
 from overcooked_bench.evaluation.playing import Progress, play_blocks
-from overcooked_bench.evaluation.protocol import NEWEST, Protocol, ProtocolError, is_text, load_protocol
+from overcooked_bench.evaluation.protocol import NEWEST, Play, Protocol, ProtocolError, is_text, load_protocol
 from overcooked_bench.evaluation.scenario_scores import ScenariosPlayed, play_scenarios, write_scenarios
 from overcooked_bench.evaluation.scores import (
     CURVE_FILE,
@@ -145,7 +145,7 @@ def score(
             **_as_given("pool", pool),
             "pool_name": partners.name,
             "training_seeds": str(entrant.training_seeds),
-            "partners": pack_labels({layout: _labels(partners, layout, entrant) for layout in chosen}),
+            "partners": pack_labels({layout: _labels(partners, layout, entrant, play) for layout in chosen}),
         }
         home = str(partners.folder.absolute())
         with Store(folder / EPISODES_FILE, facts, notes) as store:
@@ -242,7 +242,7 @@ def _as_given(what: str, reference: str | Path | None) -> dict[str, str]:
     return {} if reference is None or Path(reference).is_absolute() else {f"{what}_given": str(reference)}
 
 
-def _labels(pool: Pool, layout: str, entrant: Entrant) -> list[PartnerLabel]:
+def _labels(pool: Pool, layout: str, entrant: Entrant, play: Play) -> list[PartnerLabel]:
     return [
         PartnerLabel(
             *(one.name, one.kind, one.sha256, one.entry.stratum, one.entry.convention),
@@ -250,7 +250,7 @@ def _labels(pool: Pool, layout: str, entrant: Entrant) -> list[PartnerLabel]:
             bounds=tuple(SideBound(b.side, b.floor, b.ceiling) for b in one.entry.bounds or ()) or None,
             home=entrant.origin and at_home(entrant.origin.codebase, entrant.origin.people, one.entry),
         )
-        for one in roster(pool, layout)
+        for one in roster(pool, layout, play.per_stratum)
     ]
 
 

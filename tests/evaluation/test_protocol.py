@@ -73,7 +73,7 @@ def test_a_file_is_read(tmp_path):
         ({"version": -1}, "version is -1"),
         ({"pool_sha256": "abc"}, "pool_sha256 is 'abc'; give a SHA-256, 64 hexadecimal digits"),
         ({"per_stratum": 0}, "per_stratum is 0; give a number of partners from 1"),
-        ({"self_play": -1}, "self_play is -1"),
+        ({"self_play": -1}, "Expected `bool`, got `int` - at key `play.self_play`"),
         ({"name": "{"}, "not YAML"),
     ],
 )

@@ -255,6 +255,24 @@ def test_what_the_pool_says_of_partners_is_in_the_score(protocol, tmp_path):
     assert recompute(scored.folder).rows == scored.scores.rows
 
 
+def test_the_return_with_itself_enters_no_score(protocol, pool_folder, tmp_path):
+    rules = changed(protocol, self_play=True, horizon=200)
+    scored = score("greedy", rules, pool=pool_folder, output=tmp_path / "out")
+    scores = scored.scores
+    (layout,) = scores.layouts
+    assert "itself" not in [label.name for label in layout.partners]
+    own = scores.find("self_play", layout="cramped_room")
+    with Store(scored.folder / EPISODES_FILE) as store:
+        episodes = list(store.episodes())
+        assert store.find({}, worst=True).kind not in ("self", "floor")
+    points = [one.soup_reward for one in episodes if one.kind == "self"]
+    assert len(points) == 4
+    assert own.value == pytest.approx(sum(points) / len(points))
+    counting = [one.soup_reward for one in episodes if one.kind not in ("self", "floor")]
+    assert scores.find(layout="cramped_room").value == pytest.approx(sum(counting) / len(counting))
+    assert recompute(scored.folder).rows == scores.rows
+
+
 def test_a_fresh_salt_is_written_down_and_kept_for_its_folder(protocol, tmp_path, capsys):
     public, *_ = score("greedy", protocol, output=tmp_path / "public")
     assert public.salt == protocol.play.salt

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from overcooked_bench.errors import WrongUse
-from overcooked_bench.evaluation.cells import FLOOR
 from overcooked_bench.evaluation.games.episode import Episode
+from overcooked_bench.evaluation.games.roster import FLOOR
 from overcooked_bench.evaluation.games.streams import stream_key
 
 MOMENTS: Final = 50

@@ -11,10 +11,11 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from overcooked_bench.agents.agent import AgentFactory, UnknownLayout
+from overcooked_bench.agents.agent import Agent, AgentFactory, UnknownLayout
 from overcooked_bench.agents.catalogue import find_unchanged, runs_code
 from overcooked_bench.agents.kinds import RUNS_CODE
 from overcooked_bench.agents.mirror import mirrored
+from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.saying import describe
 from overcooked_bench.agents.seated import Seated, SeatedFault
 from overcooked_bench.agents.submissions.checks import AgentError
@@ -24,13 +25,14 @@ from overcooked_bench.agents.watch import LOADING, calling
 from overcooked_bench.errors import OvercookedBenchError
 from overcooked_bench.evaluation.games.episode import BlockKey, Episode, pack_actions, pack_state, side_of
 from overcooked_bench.evaluation.games.play import Games, make_kitchens, play
-from overcooked_bench.evaluation.games.roster import Partner, pool_as_hashed, roster, seat_partners
+from overcooked_bench.evaluation.games.roster import ITSELF, Itself, Partner, pool_as_hashed, roster, seat_partners
 from overcooked_bench.evaluation.games.streams import Streams
 from overcooked_bench.evaluation.protocol import Protocol
 from overcooked_bench.kitchen.layout import MIRRORED, Layout
 
 EGO: Final = "the scored agent"
 """What faults call it; no partner has a name with a space."""
+COPY: Final = "a copy of the scored agent"
 
 
 @dataclass(frozen=True)
@@ -138,8 +140,15 @@ def play_block(block: Block) -> Outcome:
         return Outcome(block, fault=f"{block.cell}: {why}")
 
 
+def met(block: Block, pool: Pool) -> tuple[Partner | Itself, ...]:
+    """Lists everybody that the agent meets in a block, from each seat in each start state."""
+    play = block.protocol.play
+    partners = roster(pool, block.layout, play.per_stratum)
+    return (*partners, Itself(block.agent_sha256)) if play.self_play else partners
+
+
 def _outcome(block: Block) -> Outcome:
-    partners = roster(pool_as_hashed(block.pool, block.pool_sha256), block.layout)
+    partners = met(block, pool_as_hashed(block.pool, block.pool_sha256))
     rows = _deal(block, partners)
     with one_thread():
         with calling("loading", LOADING):
@@ -158,20 +167,20 @@ def _outcome(block: Block) -> Outcome:
     return Outcome(block, tuple(_episodes(block, partners, rows, games)))
 
 
-def _play(block: Block, make: AgentFactory, partners: Sequence[Partner], rows: _Rows) -> Games:
-    rules, layout, adapted = block.protocol.play, block.layout, block.adapted
+def _play(block: Block, make: AgentFactory, partners: Sequence[Partner | Itself], rows: _Rows) -> Games:
+    rules, layout = block.protocol.play, block.layout
     pool = pool_as_hashed(block.pool, block.pool_sha256)
     number = len(rows.who)
     with _seeded(block.streams(block.episodes[0]).of_process(block.training_seed)):
-        with calling("make_agent", LOADING):
-            ego = make(layout.removesuffix(MIRRORED) if adapted else layout, block.training_seed)
-        player = mirrored(ego) if adapted else ego
+        player, with_itself = _make(block, make), _with_itself(partners, rows)
         parties = [
             Seated(Turned(player) if block.turned else player, EGO, np.arange(number), rows.seats),
             *seat_partners(partners, rows.who, 1 - rows.seats, pool, rules.mode, layout),
         ]
+        if len(with_itself):
+            parties.append(Seated(_make(block, make), COPY, with_itself, 1 - rows.seats[with_itself]))
         kitchens = make_kitchens(layout, number, parties, **rules.kitchens)
-        hashes = [partner.sha256 for partner in partners]
+        hashes = [ITSELF if isinstance(partner, Itself) else partner.sha256 for partner in partners]
         starts, seeds = np.empty(number, np.uint64), np.empty((number, 2), np.uint64)
         for episode in block.episodes:
             streams, here = block.streams(episode), rows.episodes == episode
@@ -181,7 +190,21 @@ def _play(block: Block, make: AgentFactory, partners: Sequence[Partner], rows: _
         return play(kitchens, parties, seeds)
 
 
-def _episodes(block: Block, partners: Sequence[Partner], rows: _Rows, games: Games) -> Iterator[Episode]:
+def _make(block: Block, make: AgentFactory) -> Agent:
+    """Makes the scored agent, or a copy of it."""
+    layout = block.layout.removesuffix(MIRRORED) if block.adapted else block.layout
+    with calling("make_agent", LOADING):
+        agent = make(layout, block.training_seed)
+    return mirrored(agent) if block.adapted else agent
+
+
+def _with_itself(partners: Sequence[Partner | Itself], rows: _Rows) -> NDArray[np.int64]:
+    """Returns the rows in which the agent meets itself."""
+    itself = [index for index, partner in enumerate(partners) if isinstance(partner, Itself)]
+    return np.flatnonzero(np.isin(rows.who, itself))
+
+
+def _episodes(block: Block, partners: Sequence[Partner | Itself], rows: _Rows, games: Games) -> Iterator[Episode]:
     """Lays the rows out as episodes, by start state, partner and seat."""
     layout = Layout.load(block.layout)
     for row in np.lexsort((rows.seats, rows.who, rows.episodes)):
@@ -201,16 +224,18 @@ def _episodes(block: Block, partners: Sequence[Partner], rows: _Rows, games: Gam
         )
 
 
-def _deal(block: Block, partners: Sequence[Partner]) -> _Rows:
+def _deal(block: Block, partners: Sequence[Partner | Itself]) -> _Rows:
     """Deals the rows of each start state in an order of its own, which depends on nobody's hash."""
     hands = [(index, seat) for index in range(len(partners)) for seat in sorted(block.protocol.play.seats)]
     dealt = [(e, *hands[k]) for e in block.episodes for k in block.streams(e).order(len(hands))]
     return _Rows(*np.ascontiguousarray(np.array(dealt, np.int64).T))
 
 
-def _blame(fault: SeatedFault, block: Block, partners: Sequence[Partner], rows: _Rows) -> str:
+def _blame(fault: SeatedFault, block: Block, partners: Sequence[Partner | Itself], rows: _Rows) -> str:
     cell = block.cell
-    if fault.who != EGO:
+    if fault.who == COPY:
+        where = "its copy that it plays with"
+    elif fault.who != EGO:
         where = f"partner {fault.who}, which fails beside no other agent: does this one change what both use?"
     elif fault.row is None:
         names, every = ", ".join(partner.name for partner in partners), sorted(block.protocol.play.seats)

@@ -8,8 +8,7 @@ from typing import Final
 import numpy as np
 
 from overcooked_bench.agents.pools.pool import Pool
-from overcooked_bench.evaluation.games.block import Block
-from overcooked_bench.evaluation.games.roster import roster
+from overcooked_bench.evaluation.games.block import Block, met
 
 LEAST_ROWS: Final = 256
 """Rows of a batch where there are so many; with fewer, most of the time goes into calls instead of games."""
@@ -25,7 +24,8 @@ def cut(first: Block, pool: Pool, layouts: Sequence[str], training_seeds: int) -
         training_seeds: Number of training runs of the agent.
     """
     play = first.protocol.play
-    groups = [group_starts(play.episodes, len(roster(pool, layout)) * len(play.seats)) for layout in layouts]
+    rows = {layout: len(met(replace(first, layout=layout), pool)) * len(play.seats) for layout in layouts}
+    groups = [group_starts(play.episodes, rows[layout]) for layout in layouts]
     return [
         replace(first, layout=layout, training_seed=run, episodes=group)
         for at_a_time in zip_longest(*groups)

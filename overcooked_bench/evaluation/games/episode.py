@@ -38,7 +38,7 @@ class Episode(msgspec.Struct, frozen=True, array_like=True, gc=False):
         seat: The scored agent's seat.
         side: Number of the region in which the scored agent starts, as in `Layout.regions`; 0 if there is only one.
         partner_sha256: Hash of what the partner is.
-        kind: "trained", "scripted" or "floor".
+        kind: "trained", "scripted", "floor", or "self" for a copy of the scored agent.
         soup_reward: The team's points.
         ego_partial_reward: The scored agent's partial rewards, points.
         partner_partial_reward: The partner's.

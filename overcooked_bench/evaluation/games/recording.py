@@ -98,7 +98,7 @@ def find_recording(
         seat: Only with the scored agent on this seat.
         episode: Only this start state.
         training_seed: Only this training run.
-        worst: The fewest points among those that fit, floors left out; else the first of them.
+        worst: The fewest points among those that fit, floors and the agent's copies left out; else the first of them.
 
     Raises:
         StoreError: No such store, or no episode fits; says what there is.

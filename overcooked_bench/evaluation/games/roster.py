@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import groupby, islice
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
@@ -24,6 +25,10 @@ if TYPE_CHECKING:
 Kind = Literal["trained", "scripted", "floor"]
 FLOOR: Final = "floor"
 """The kind of partners that are listed separately and do not count in any score."""
+SELF: Final = "self"
+"""The kind of a copy of the scored agent, which counts in no score."""
+ITSELF: Final = "itself"
+"""The name of that copy, and what its start states and its seeds depend on: all agents meet themselves in the same."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,19 @@ class Partner:
         if self.entry.role == FLOOR:
             return FLOOR
         return "trained" if isinstance(self.entry.reference, PolicyReference) else "scripted"
+
+
+@dataclass(frozen=True)
+class Itself:
+    """A copy of the scored agent, as its own partner.
+
+    Attributes:
+        sha256: Hash of the agent.
+    """
+
+    sha256: str
+    name = ITSELF
+    kind = SELF
 
 
 def check_pool(pool: Pool, protocol: Protocol, layouts: Sequence[str]) -> None:
@@ -97,14 +115,26 @@ def pool_as_hashed(folder: str, sha256: str) -> Pool:
     return pool
 
 
-def roster(pool: Pool, layout: str) -> tuple[Partner, ...]:
-    """Lists every partner that is played on a layout, by name."""
+def roster(pool: Pool, layout: str, per_stratum: int | None = None) -> tuple[Partner, ...]:
+    """Lists every partner that is played on a layout, by name.
+
+    Args:
+        pool: The partners.
+        layout: Where.
+        per_stratum: So many partners of each stratum, those of greatest weight, and no floors; all by default.
+    """
     plain = _plain(layout)
-    return tuple(map(Partner, pool.partners(plain if plain in pool.layouts else Layout.load(plain).name)))
+    entries = pool.partners(plain if plain in pool.layouts else Layout.load(plain).name)
+    if per_stratum is not None:
+        ranked = sorted(entries, key=lambda entry: (entry.stratum, -(entry.weight or 0), entry.name))
+        groups = groupby((entry for entry in ranked if entry.role != FLOOR), key=lambda entry: entry.stratum)
+        kept = {entry.name for _, group in groups for entry in islice(group, per_stratum)}
+        entries = tuple(entry for entry in entries if entry.name in kept)
+    return tuple(map(Partner, entries))
 
 
 def seat_partners(
-    partners: Sequence[Partner],
+    partners: Sequence[Partner | Itself],
     who: NDArray[np.int64],
     seats: NDArray[np.int64],
     pool: Pool,
@@ -114,21 +144,22 @@ def seat_partners(
     """Makes the agents that play the partners: one for all policies of an architecture, one for each scripted name.
 
     Args:
-        partners: From `roster`.
+        partners: From `roster`; for the agent itself nobody is made.
         who: (N,) int64, index of the partner in each kitchen.
         seats: (N,) int64, the partner's seat in each kitchen.
         pool: Where trained partners come from.
         mode: How they act.
         layout: Where they play.
     """
-    present = np.unique(who).tolist()
-    trained = [index for index in present if isinstance(partners[index].entry.reference, PolicyReference)]
+    present = {index: partners[index] for index in np.unique(who).tolist()}
+    entries = {index: partner.entry for index, partner in present.items() if isinstance(partner, Partner)}
+    trained = [index for index, entry in entries.items() if isinstance(entry.reference, PolicyReference)]
     policies = {index: pool.policy(_plain(layout), partners[index].name) for index in trained}
     parties = []
-    for index in present:
+    for index, entry in entries.items():
         if index not in policies:
             rows = np.flatnonzero(who == index)
-            parties.append(seat_scripted(partners[index].entry, rows, seats[rows], layout))
+            parties.append(seat_scripted(entry, rows, seats[rows], layout))
     return parties + seat_policies(policies, who, seats, mode, layout)
 
 

@@ -125,12 +125,14 @@ class Store:
 
         Args:
             where: Column of `Episode` -> value.
-            worst: The one with the fewest points, floors left out.
+            worst: The one with the fewest points, floors and the agent's copies left out.
 
         Returns:
             The episode, or None if none matches.
         """
-        conditions = [f"{_column(column)} = ?" for column in where] + (["kind != 'floor'"] if worst else [])
+        conditions = [f"{_column(column)} = ?" for column in where] + (
+            ["kind NOT IN ('floor', 'self')"] if worst else []
+        )
         order = ("soup_reward, " if worst else "") + _ORDER
         query = f"SELECT {_ORDER} FROM episodes WHERE {' AND '.join(conditions) or '1'} ORDER BY {order} LIMIT 1"
         with self._guarded(_DAMAGED):

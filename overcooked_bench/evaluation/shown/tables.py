@@ -45,7 +45,8 @@ def layouts_table(scores: Scores, place: Literal["terminal", "report"]) -> Table
         foot = [["overall", "none"]]
     elif len(scores.layouts) > 1:
         foot = [["mean of layouts", *("" if cell == NONE else cell for cell in cells(None))]]
-    return Table(["layout", *(Column(heading, wrap=metric == MEAN) for heading, metric, *_ in columns)], rows, foot)
+    heads = [Column(heading, wrap=metric == MEAN) for heading, metric, *_ in columns]
+    return Table(["layout", *(heads or [Column("")])], rows, foot)
 
 
 def partners_table(scores: Scores) -> Table:

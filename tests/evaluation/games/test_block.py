@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from overcooked_bench.agents.catalogue import find
 from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.evaluation.games.asking import Answer, ask_block
@@ -55,6 +56,29 @@ def test_a_partner_plays_the_same_whoever_else_is_in_the_pool(protocol, pool_fol
     """If the scored agent draws nothing: its seeds depend on the row, and rows on how many partners there are."""
     alone, together = (by_pair(play_block(block(protocol, "stay", pool=pool))) for pool in (None, pool_folder))
     assert {pair: together[pair] for pair in alone} == alone
+
+
+def test_an_agent_meets_itself_in_the_starts_in_which_others_meet_themselves(protocol, pool_folder):
+    rules = changed(protocol, self_play=True)
+    agents = "greedy", f"{pool_folder}/cramped_room/sp-1"
+    own = []
+    for agent in agents:
+        episodes = play_block(block(rules, agent, pool=pool_folder, episodes=(0, 1))).episodes
+        own.append([episode for episode in episodes if episode.kind == "self"])
+        assert [(one.partner, one.seat, one.episode) for one in own[-1]] == [
+            ("itself", seat, episode) for episode in (0, 1) for seat in (0, 1)
+        ]
+        assert {one.partner_sha256 for one in own[-1]} == {find(agent).sha256}
+    assert [one.start for one in own[0]] == [one.start for one in own[1]]
+    assert not [one for one in play_block(block(protocol, pool=pool_folder)).episodes if one.kind == "self"]
+
+
+def test_a_fault_of_the_copy_is_the_agents(protocol, tmp_path):
+    reset = "if len(seats) < 4: raise ValueError('too few')"
+    agent = write_agent(tmp_path / "agent.py", reset=reset)
+    outcome = play_block(block(changed(protocol, self_play=True), agent))
+    assert outcome.fault.startswith("cramped_room, training seed 0, episode 0, its copy that it plays with")
+    assert "too few" in outcome.fault
 
 
 @pytest.mark.parametrize("change", ["episodes", "seed", "salt", "protocol"])

@@ -43,6 +43,17 @@ def test_every_kind_plays_in_a_mirrored_kitchen_too(protocol, pool, layout, cell
             assert last.chefs[1 - episode.seat].position == cell
 
 
+def test_a_few_partners_are_those_of_greatest_weight_in_each_stratum(tmp_path):
+    weights = {"clockwise": 0.1, "greedy": 0.6, "waiter": 0.3}
+    entries = [msgspec.structs.replace(scripted(name), weight=weight) for name, weight in weights.items()]
+    entries += [msgspec.structs.replace(scripted("onion_courier"), stratum="human"), scripted("stay", role="floor")]
+    write_manifest(tmp_path, "weighed", entries)
+    pool = Pool.load(tmp_path)
+    names = [[partner.name for partner in roster(pool, "cramped_room", few)] for few in (1, 2, 9)]
+    assert names[:2] == [["greedy", "onion_courier"], ["greedy", "onion_courier", "waiter"]]
+    assert names[2] == [*sorted([*weights, "onion_courier"])]
+
+
 def test_floors_alone_are_no_pool(protocol, tmp_path):
     write_manifest(tmp_path, "idle", [scripted("stay", role="floor")])
     with pytest.raises(ProtocolError, match="the pool 'idle' has no partners for cramped_room"):
