@@ -22,7 +22,7 @@ from overcooked_bench.errors import WrongUse
 from overcooked_bench.evaluation.explaining.continuing import Continued, play_on
 from overcooked_bench.evaluation.explaining.moments import STEPS, Moment
 from overcooked_bench.evaluation.explaining.reasons import PAIRINGS, REPEATS, Pairing, Soups
-from overcooked_bench.evaluation.games.block import EGO
+from overcooked_bench.evaluation.games.block import EGO, seeded
 from overcooked_bench.evaluation.games.play import make_kitchens
 from overcooked_bench.evaluation.games.roster import pool_as_hashed, roster, seat_policies, seat_scripted
 from overcooked_bench.evaluation.games.streams import stream_key
@@ -128,7 +128,7 @@ def play_pairings(task: Task) -> Played:
         for repeat in range(repeats(pairing))
     ]
     make = _find(task)
-    with one_thread():
+    with one_thread(), seeded(stream_key("explain", task.salt, task.layout, "process")):
         parties = [*_entrants(task, rows, make), *_partners(task, rows), *_yardstick(task, rows)]
         kitchens = make_kitchens(task.layout, len(rows), parties, cooking=task.cooking, horizon=task.horizon)
         kitchens.reset(seed=0)

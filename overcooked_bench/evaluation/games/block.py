@@ -171,7 +171,7 @@ def _play(block: Block, make: AgentFactory, partners: Sequence[Partner | Itself]
     rules, layout = block.protocol.play, block.layout
     pool = pool_as_hashed(block.pool, block.pool_sha256)
     number = len(rows.who)
-    with _seeded(block.streams(block.episodes[0]).of_process(block.training_seed)):
+    with seeded(block.streams(block.episodes[0]).of_process(block.training_seed)):
         player, with_itself = _make(block, make), _with_itself(partners, rows)
         parties = [
             Seated(Turned(player) if block.turned else player, EGO, np.arange(number), rows.seats),
@@ -247,7 +247,7 @@ def _blame(fault: SeatedFault, block: Block, partners: Sequence[Partner | Itself
 
 
 @contextmanager
-def _seeded(key: int) -> Iterator[None]:
+def seeded(key: int) -> Iterator[None]:
     """Seeds the global generators, for submissions that draw from them, and puts them back."""
     import random
 

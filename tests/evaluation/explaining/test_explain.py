@@ -6,7 +6,8 @@ import msgspec
 import pytest
 
 from overcooked_bench.agents.policies.policy import load_policy, save_policy
-from overcooked_bench.errors import WrongUse
+from overcooked_bench.agents.seated import SeatedFault
+from overcooked_bench.errors import AgentFault, WrongUse
 from overcooked_bench.evaluation.explaining.explain import explain
 from overcooked_bench.evaluation.explaining.reasons import FAILURES, PAIRINGS, reason_for
 from overcooked_bench.evaluation.explaining.records import EXPLAIN_FILE, ExplanationError, read_explanation
@@ -134,13 +135,59 @@ def test_a_score_of_something_else_is_refused(scored, strangers, tmp_path):
         explain(score("stay", short, output=tmp_path / "short").folder)
 
 
-def test_a_submission_that_faults_ends_with_its_fault(rules, strangers, tmp_path):
-    """It plays the score, and something else than actions once a second copy of it sits in a kitchen."""
-    act = "return np.full(n, 4 if n < 100 else 9)"
-    agent = write_agent(tmp_path / "mine.py", act=act)
-    folder = score(agent, rules, pool=strangers, output=tmp_path / "out").folder
-    with pytest.raises(Exception, match="the scored agent, step 0: act returned the action 9"):
-        explain(folder, agent=agent, pool=strangers)
+@pytest.fixture
+def here(monkeypatch):
+    """Plays submissions in this process, which is faster; what they do in one of their own is tested below."""
+    for module in ("score", "explaining.explain"):
+        monkeypatch.setattr(f"overcooked_bench.evaluation.{module}.runs_code", lambda _: False)
+
+
+ACT = """import os; return (
+            os._exit(3) if os.path.exists({0!r} + "/exit") else
+            np.full(n, 9) if os.path.exists({0!r} + "/fault") else np.random.randint(0, 6, n)
+        )"""
+"""Acts at random, from the global generator, and does something else if a file appears that is not a part of it."""
+
+
+@pytest.fixture
+def two_runs(here, rules, strangers, tmp_path):
+    """A submission of two training runs, and the folder of its score."""
+    (tmp_path / "agent").mkdir()
+    agent = write_agent(tmp_path / "agent" / "mine.py", act=ACT.format(str(tmp_path)), training_seeds=2)
+    return agent, score(agent, rules, pool=strangers, output=tmp_path / "out").folder
+
+
+def test_training_runs_share_the_moments_and_are_units(two_runs, strangers, tmp_path):
+    agent, folder = two_runs
+    explanation = explain(folder, agent=agent, pool=strangers, moments=6).explanation
+    (layout,) = explanation.layouts
+    assert Counter(moment.training_seed for moment in layout.moments) == {0: 3, 1: 3}
+    assert set(layout.conventions) == {"0", "1"}
+    assert "over training seeds where that is wider" in explanation.interval
+    assert explain(folder, agent=agent, pool=strangers, moments=6).explanation == explanation
+    (tmp_path / "fault").touch()
+    with pytest.raises(SeatedFault, match="the scored agent, step 0: act returned the action 9"):
+        explain(folder, agent=agent, pool=strangers, moments=6)
+
+
+def test_a_submission_that_ends_its_process_ends_with_one_message(two_runs, strangers, tmp_path, monkeypatch):
+    agent, folder = two_runs
+    monkeypatch.setattr("overcooked_bench.evaluation.explaining.explain.runs_code", lambda _: True)
+    (tmp_path / "exit").touch()
+    with pytest.raises(AgentFault, match=f"mine on {LAYOUT}: .*process"):
+        explain(folder, agent=agent, pool=strangers, moments=1)
+
+
+def test_a_mirrored_kitchen_is_explained_through_the_mirror(strangers, tmp_path):
+    mirrored = f"{LAYOUT}-mirrored"
+    text = protocol_text(layouts=[mirrored], pool="null", horizon=250, episodes=2, object_probability=0.0)
+    agent = HABITS.replace(LAYOUT, "{layout}")
+    folder = score(agent, read_protocol(text, "p.yaml"), pool=strangers, output=tmp_path / "out").folder
+    (layout,) = explain(folder, pool=strangers, moments=12).explanation.layouts
+    assert (layout.layout, layout.axes, layout.conventions) == (mirrored, (), {})
+    assert layout.shares.soups["agent"].value > 1
+    (worst, *_) = layout.worst
+    assert run_scenarios("greedy", folder / "moments" / worst.scenario, repeats=1).passed >= 1
 
 
 @pytest.mark.parametrize(
