@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from overcooked_bench.agents.catalogue import load_agent
     from overcooked_bench.agents.pools.pool import Pool
     from overcooked_bench.envs.parallel import parallel_env
-    from overcooked_bench.evaluation.compare import compare
+    from overcooked_bench.evaluation.comparing.compare import compare
     from overcooked_bench.evaluation.games.play import play_episodes
     from overcooked_bench.evaluation.pools.crossplay import cross_play
     from overcooked_bench.evaluation.score import score
@@ -36,7 +36,7 @@ _HOMES = {
     "Soup": "kitchen.state",
     "StepResult": "kitchen.kitchens",
     "UnknownLayout": "agents.agent",
-    "compare": "evaluation.compare",
+    "compare": "evaluation.comparing.compare",
     "cross_play": "evaluation.pools.crossplay",
     "load_agent": "agents.catalogue",
     "parallel_env": "envs.parallel",

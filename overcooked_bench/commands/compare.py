@@ -1,9 +1,9 @@
-"""`overcooked-bench compare`: the difference of two scores, with its interval."""
+"""`overcooked-bench compare`: the differences of scores, with their intervals and tests."""
 
 import argparse
 from typing import Any
 
-from overcooked_bench.commands.common import add_command, add_json, console, print_json
+from overcooked_bench.commands.common import add_command, add_json, add_output, console, print_json
 
 
 def add_compare(commands: Any) -> None:
@@ -12,31 +12,43 @@ def add_compare(commands: Any) -> None:
         commands,
         "compare",
         _compare,
-        "compare two scores of the same protocol: the difference of any metric, with its interval",
-        "overcooked-bench compare scores/mine-dev scores/greedy-dev --metric tail_mean",
+        "compare scores of the same games: differences with intervals and tests, and what training seeds buy",
+        "overcooked-bench compare scores/mine-dev scores/greedy-dev --output comparison",
     )
-    parser.add_argument("first", metavar="SCORE", help="the folder of a score, or its score.json")
-    parser.add_argument("second", metavar="SCORE", help="another score; the difference is the first minus the second")
+    parser.add_argument(
+        "scores",
+        metavar="SCORE",
+        nargs="+",
+        help="two or more folders of scores, or score.json files; a difference is the first minus the second",
+    )
     parser.add_argument(
         "--metric",
         metavar="NAME",
-        default="mean",
-        help="name of a metric in score.json, such as mean, tail_mean or threshold (default: mean)",
+        help="name of a metric in score.json, such as n, mean or threshold (default: the protocol's headlines)",
     )
+    add_output(parser, "no page is written")
     add_json(parser)
 
 
 def _compare(options: argparse.Namespace) -> int:
+    from pathlib import Path
+
     from rich.text import Text
 
-    from overcooked_bench.evaluation.compare import compare
-    from overcooked_bench.evaluation.shown.comparison import comparison_table
+    from overcooked_bench.evaluation.comparing.compare import compare
+    from overcooked_bench.evaluation.shown.comparison import comparison_tables
+    from overcooked_bench.evaluation.shown.comparison_page import COMPARISON_FILE, write_comparison
 
-    found = compare(options.first, options.second, options.metric)
+    found = compare(*options.scores, metric=options.metric)
+    file = Path(options.output) / COMPARISON_FILE if options.output else None
+    if file is not None:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        write_comparison(found, file)
     if options.json:
         print_json(found)
         return 0
     shown = console()
-    shown.print(comparison_table(found).terminal())
-    shown.print(Text(f"\n{found.interval}", style="dim"))
+    shown.print(comparison_tables(found))
+    if file is not None:
+        shown.print(Text(f"{file}  the page", style="dim"), soft_wrap=True)
     return 0

@@ -79,7 +79,12 @@ class Table:
 
         table = RichTable(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
         for column in self._columns():
-            table.add_column(Text(column.heading), justify="left" if column.left else "right", no_wrap=not column.wrap)
+            table.add_column(
+                Text(column.heading),
+                justify="left" if column.left else "right",
+                no_wrap=not column.wrap,
+                overflow="fold" if column.wrap else "ellipsis",
+            )
         for row in self._filled(self.rows):
             table.add_row(*(Text(_printable(cell)) for cell in row))
         for row in self._filled(self.foot):

@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from overcooked_bench.evaluation import metrics
-from overcooked_bench.evaluation.compare import compare
+from overcooked_bench.evaluation.comparing.compare import compare
 from overcooked_bench.evaluation.metric import find_metrics
 from overcooked_bench.evaluation.scores import read_scores
 from overcooked_bench.evaluation.shown.terminal import score_tables
@@ -63,7 +63,7 @@ def test_one_file_adds_a_metric_everywhere(added, protocol, tmp_path):
         assert f"{row.value:.2f}" in text
         assert "best: of all partners." in text
     stay = score("stay", protocol, output=tmp_path / "stay").scores
-    (overall, *_) = compare(scores, stay, "best_partner").differences
+    (overall, *_) = compare(scores, stay, metric="best_partner").metrics[0].pairs[0].differences
     theirs = stay.find("best_partner", params={"power": 1}).value
     assert overall.difference.value == pytest.approx(row.value - theirs)
 

@@ -34,7 +34,7 @@ METRIC: Final = Metric(
         note="H50: share of the partners with whom N is 0.5 or more.",
     ),
     per_repetition=per_repetition,
-    by=("overall", "layout", "seat", "side", "stratum", "home"),
+    by=("overall", "layout", "seat", "side", "stratum", "home", "partner"),
     of_partners=of_partners,
     weighted=True,
     counts=True,

@@ -1,0 +1,1 @@
+"""Compares scores of the same games: differences with intervals, tests, and what training seeds buy."""
