@@ -79,7 +79,7 @@ def over_units(parts: ArrayLike) -> float:
     """
     given = np.asarray(parts, np.float64)
     if 2 ** len(given) <= MOST_EXACT:
-        signs = 1 - 2 * (np.arange(2 ** len(given))[:, None] >> np.arange(len(given)) & 1)
+        signs = 1.0 - 2 * (np.arange(2 ** len(given))[:, None] >> np.arange(len(given)) & 1)
         return _share(signs @ given, given, drawn=False)
     signs = 2.0 * np.random.default_rng(0).integers(0, 2, (DRAWS, len(given)), np.int8) - 1
     return _share(signs @ given, given, drawn=True)

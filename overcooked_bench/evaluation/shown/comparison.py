@@ -44,20 +44,20 @@ def metric_tables(found: Comparison, compared: Compared) -> Iterator[Table]:
 
 def strata_table(found: Comparison, compared: Compared, pair: Pair) -> Table | None:
     """Lays out one row per stratum of partners, over all layouts; None if there are no strata."""
-    rows = [one for one in pair.differences if one.stratum and one.layout is None and one.seat is one.side is None]
+    rows = [one for one in pair.differences if one.stratum and one.layout is None and _of_all_seats(one)]
     return _differences(found, compared, pair, "stratum", ((one.stratum or "", one) for one in rows)) if rows else None
 
 
 def partners_table(found: Comparison, compared: Compared, pair: Pair, layout: str) -> Table | None:
     """Lays out one row per partner of a layout, the one that favours the first score most above; None without them."""
-    rows = [one for one in pair.differences if one.partner and one.layout == layout and one.seat is one.side is None]
+    rows = [one for one in pair.differences if one.partner and one.layout == layout and _of_all_seats(one)]
     rows.sort(key=lambda one: (-one.difference.value, one.partner))
     return _differences(found, compared, pair, "partner", ((one.partner or "", one) for one in rows)) if rows else None
 
 
 def whole(pair: Pair) -> list[Difference]:
     """Returns the differences that are about all partners, seats and sides: over all layouts, then on each."""
-    return [one for one in pair.differences if one.stratum is one.partner is one.seat is one.side is None]
+    return [one for one in pair.differences if one.stratum is None and one.partner is None and _of_all_seats(one)]
 
 
 def primary(pair: Pair) -> list[Difference]:
@@ -85,6 +85,10 @@ def title_of(facts: MetricFacts) -> str:
 def p_text(p: float | None) -> str:
     """Writes a p."""
     return NONE if p is None else "<0.001" if p < 0.001 else f"{p:.3f}"
+
+
+def _of_all_seats(one: Difference) -> bool:
+    return one.seat is None and one.side is None
 
 
 def _one_pair(found: Comparison, compared: Compared, pair: Pair) -> Table:
