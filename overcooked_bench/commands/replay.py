@@ -20,8 +20,8 @@ def add_replay(commands: Any) -> None:
         commands,
         "replay",
         _replay,
-        "show a recorded episode in the terminal or as a GIF",
-        "overcooked-bench replay scores/greedy-dev --layout cramped_room --worst --gif worst.gif",
+        "show a recorded episode in the terminal, as a page or as a GIF",
+        "overcooked-bench replay scores/greedy-dev --layout cramped_room --worst --page worst.html",
     )
     parser.add_argument(
         "source", metavar="DIR|FILE", help="the folder of a score, its episodes.sqlite, or a games file (*.games.jsonl)"
@@ -37,6 +37,7 @@ def add_replay(commands: Any) -> None:
     parser.add_argument(
         "--worst", action="store_true", help="the matching episode with the lowest return (default: the first match)"
     )
+    parser.add_argument("--page", metavar="FILE", help="write an HTML page that plays it, instead of the terminal")
     parser.add_argument("--gif", metavar="FILE", help="write a GIF instead of playing in the terminal")
     parser.add_argument("--fps", metavar="N", type=float, default=8, help="steps per second (default: 8)")
     parser.add_argument("--every", metavar="N", type=int, default=1, help="show only every N-th step")
@@ -44,7 +45,10 @@ def add_replay(commands: Any) -> None:
 
 def _replay(options: argparse.Namespace) -> int:
     found = _game(options) if str(options.source).endswith(".jsonl") else _episode(options)
-    if options.gif:
+    if options.page:
+        found.save_page(options.page)
+        print(f"{options.page}  {found.title}")
+    elif options.gif:
         found.save_gif(options.gif, fps=options.fps, every=options.every)
         print(f"{options.gif}  {found.title}")
     else:

@@ -8,6 +8,7 @@ from overcooked_bench.files import shown
 from overcooked_bench.human.game import Game, GamesError
 from overcooked_bench.human.games import read_games
 from overcooked_bench.rendering.replay import Frame, frames_of, play_in_terminal, save_gif
+from overcooked_bench.rendering.viewer.games import save_page
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,10 @@ class WatchedGame:
     def save_gif(self, file: str | Path, fps: float = 8, every: int = 1) -> None:
         """Writes the game as a GIF."""
         save_gif(file, self.game.kitchen, self.frames(), fps=fps, every=every, names=self.names)
+
+    def save_page(self, file: str | Path) -> None:
+        """Writes a page that plays the game."""
+        save_page(file, self.game.kitchen, self.frames(), self.names, self.title)
 
 
 def find_game(file: str | Path, number: int = 0) -> WatchedGame:

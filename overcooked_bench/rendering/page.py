@@ -28,6 +28,10 @@ summary { cursor: pointer; margin: .4rem 0; }
 """
 
 
+POLICY: Final = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
+"""What a browser lets a page do: nothing but to show what is in its file, whatever names it shows say."""
+
+
 def page(title: str, body: Iterable[str], style: str = "") -> str:
     """Writes a page.
 
@@ -38,6 +42,7 @@ def page(title: str, body: Iterable[str], style: str = "") -> str:
     """
     return (
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">\n'
         f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<style>{STYLE}{style}</style></head>\n'
         "<body>\n" + "\n".join(body) + "\n</body></html>\n"
     )

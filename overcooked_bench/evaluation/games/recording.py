@@ -11,6 +11,7 @@ from overcooked_bench.evaluation.protocol import Protocol
 from overcooked_bench.evaluation.scores import EPISODES_FILE, in_folder
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.rendering.replay import Frame, frames_of, play_in_terminal, save_gif
+from overcooked_bench.rendering.viewer.games import save_page
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,10 @@ class Recording:
     def save_gif(self, file: str | Path, fps: float = 8, every: int = 1) -> None:
         """Writes the episode as a GIF."""
         save_gif(file, self.layout, self.frames(), fps=fps, every=every, names=self.names)
+
+    def save_page(self, file: str | Path) -> None:
+        """Writes a page that plays the episode."""
+        save_page(file, self.layout, self.frames(), self.names, self.title)
 
 
 def find_recording(
