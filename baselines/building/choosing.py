@@ -7,6 +7,7 @@ have as well.
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -79,6 +80,7 @@ class Chooser:
         workers: Processes.
         say: Prints a line: how far it is.
         effort: How much is played.
+        engine: Where it is played.
     """
 
     config: PoolConfig
@@ -86,6 +88,7 @@ class Chooser:
     workers: int
     say: Callable[[str], None]
     effort: Effort = EFFORT
+    engine: str = "local"
 
     def choose(self, layout: str, held: Mapping[Key, Entry], out: Collection[Key] = ()) -> Chosen:
         """Chooses the partners of a layout.
@@ -114,7 +117,7 @@ class Chooser:
             workers=self.workers,
             horizon=self.effort.horizon,
             on_progress=lambda done, of: self._tell(layout, "meet", done, of),
-            play=ledger.play,
+            play=partial(ledger.play, engine=self.engine),
         ).means
         habits = self._conventions(layout, able)
         choice = choose_partners(
@@ -172,7 +175,7 @@ class Chooser:
             on_progress=lambda what, done, of: self._tell(layout, what, done, of),
             plan=plan,
             horizon=self.effort.horizon,
-            play=ledger.play,
+            play=partial(ledger.play, engine=self.engine),
         )
 
     def _tell(self, layout: str, what: str, done: int, of: int) -> None:
@@ -186,7 +189,8 @@ class Chooser:
         new = [i for i, key in enumerate(keys) if key not in known]
         if new:
             self.say(f"{layout}: the conventions of {len(new)} candidates")
-            found = conventions(layout, [players[i] for i in new], self.effort.seen, workers=self.workers)
+            strange = [players[i] for i in new]
+            found = conventions(layout, strange, self.effort.seen, workers=self.workers, engine=self.engine)
             known |= {keys[i]: text for i, text in zip(new, found, strict=True)}
             write_record(file, known)
         return [known[key] for key in keys]

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from overcooked_bench.agents.pools.manifest import MANIFEST, PoolError
+from overcooked_bench.evaluation.games.apart import EngineError
 
 from ..running.place import CheckpointError, read_record, write_record
 from .build import PoolBuildError, missing
@@ -29,6 +30,7 @@ def main(
     groups: Sequence[str] | None = None,
     limit: int | None = None,
     salt: str = "",
+    engine: str = "local",
 ) -> int:
     """Builds a pool as far as it is asked for.
 
@@ -41,6 +43,7 @@ def main(
         groups: Only these, by prefix.
         limit: So many training runs at most.
         salt: Enters the namespace of all seeds.
+        engine: Where candidates are measured: "local", "dask" or "ray".
 
     Returns:
         The exit code: 0 done, 1 a run failed, 2 wrong use.
@@ -51,10 +54,10 @@ def main(
     try:
         config = load_pool_config(source, salt)
         home, pool = Path(runs or f"runs/{config.name}"), Path(output or f"pools/{config.name}")
-        job = _Job(config, home, pool, workers, layouts, groups, limit)
+        job = _Job(config, home, pool, workers, layouts, groups, limit, engine)
         _check_note(home, config)
         result, left = job.chosen() if config.quotas else job.train()
-    except (PoolConfigError, PoolBuildError, PoolError, CheckpointError) as error:
+    except (PoolConfigError, PoolBuildError, PoolError, CheckpointError, EngineError) as error:
         print(f"overcooked-bench pool build: {error}", file=sys.stderr)
         return 2
     if result.stopped:
@@ -77,6 +80,7 @@ class _Job:
     layouts: Sequence[str] | None
     groups: Sequence[str] | None
     limit: int | None
+    engine: str
 
     @property
     def target(self) -> Path:
@@ -137,7 +141,8 @@ class _Job:
         Returns:
             Layout -> its partners.
         """
-        chooser, held = Chooser(self.config, self.home, self.workers, say, EFFORT), trained(self.config, self.target)
+        chooser = Chooser(self.config, self.home, self.workers, say, EFFORT, self.engine)
+        held = trained(self.config, self.target)
         found = {}
         for layout in layouts:
             one = chooser.choose(layout, held, out)

@@ -58,6 +58,7 @@ class Ledger:
         horizon: int = 400,
         on_progress: Callable[[int, int], object] = lambda done, of: None,
         purpose: str = PURPOSE,
+        engine: str = "local",
     ) -> Played:
         """Plays those of some pairs that are not in the ledger, as `play_pairs` does, and returns all.
 
@@ -73,7 +74,8 @@ class Ledger:
             if not missing:
                 continue
             wanted = [pairs[i] for i in missing]
-            played = play_pairs(layout, players, wanted, episodes, seed, workers, horizon, purpose=purpose)
+            where = episodes, seed, workers, horizon
+            played = play_pairs(layout, players, wanted, *where, purpose=purpose, engine=engine)
             for i, returns, sides in zip(missing, *played, strict=True):
                 self._known[keys[i]] = _Pair(returns.ravel().tolist(), sides.ravel().tolist())
             self._file.parent.mkdir(parents=True, exist_ok=True)

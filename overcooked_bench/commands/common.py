@@ -78,13 +78,13 @@ def add_workers(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_engine(parser: argparse.ArgumentParser) -> None:
+def add_engine(parser: argparse.ArgumentParser, summary: str = "where the worker processes run") -> None:
     """Declares `--engine`."""
     parser.add_argument(
         "--engine",
         default="local",
         metavar="local|dask|ray",
-        help="where the worker processes run; dask and ray need the extra of that name (default: local)",
+        help=f"{summary}; dask and ray need the extra of that name (default: local)",
     )
 
 

@@ -6,6 +6,7 @@ from typing import Any
 from overcooked_bench.commands.common import (
     ProgressBar,
     add_command,
+    add_engine,
     add_group,
     add_json,
     add_layouts,
@@ -38,6 +39,7 @@ def _add_build(commands: Any) -> None:
     )
     parser.add_argument("config", metavar="CONFIG", help="a shipped configuration's name, or a YAML file")
     add_workers(parser)
+    add_engine(parser, "where candidates are measured; training runs stay on this machine")
     parser.add_argument("--runs", metavar="DIR", help="folder of the training runs (default: runs/<pool>)")
     add_output(parser, "pools/<pool>")
     add_layouts(parser)
@@ -63,6 +65,7 @@ def _build(options: argparse.Namespace) -> int:
         groups=options.groups,
         limit=options.limit,
         salt=options.salt,
+        engine=options.engine,
     )
     return code
 

@@ -20,7 +20,7 @@ from overcooked_bench.agents.pools.records import Bound
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.cli import main
 from overcooked_bench.evaluation.cells import SideBound
-from overcooked_bench.evaluation.games.engines import EngineError
+from overcooked_bench.evaluation.games.apart import EngineError
 from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.evaluation.protocol import ProtocolError, read_protocol
 from overcooked_bench.evaluation.scores import EPISODES_FILE, SCORES_FILE, Declined, read_scores

@@ -36,7 +36,12 @@ Amounts = Mapping[str, Mapping[str, float]]
 
 
 def conventions(
-    layout: str, players: Sequence[Player], episodes: int = EPISODES, seed: int = 0, workers: int = 1
+    layout: str,
+    players: Sequence[Player],
+    episodes: int = EPISODES,
+    seed: int = 0,
+    workers: int = 1,
+    engine: str = "local",
 ) -> list[str]:
     """Measures what agents do on the axes of a layout, from random starts.
 
@@ -48,6 +53,7 @@ def conventions(
         episodes: E, per seat.
         seed: Of all streams.
         workers: Processes.
+        engine: "local", "dask" or "ray".
 
     Returns:
         N texts such as "onions=top, dishes=bottom", as `read_convention` reads them; an axis on which an agent does too
@@ -59,9 +65,10 @@ def conventions(
     if not AXES.get(layout):
         return [""] * len(players)
     everybody = [*players, Player.scripted(HELPER, layout)]
-    with_copies = _amounts(layout, everybody, [(i, i) for i in range(len(players))], episodes, seed, workers)
+    where = episodes, seed, workers, engine
+    with_copies = _amounts(layout, everybody, [(i, i) for i in range(len(players))], *where)
     weak = [i for i, found in enumerate(with_copies) if not all(map(enough, found.values()))]
-    helped = _amounts(layout, everybody, [(i, len(players)) for i in weak], episodes, seed, workers)
+    helped = _amounts(layout, everybody, [(i, len(players)) for i in weak], *where)
     chosen = [dict(found) for found in with_copies]
     for i, found in zip(weak, helped, strict=True):
         chosen[i].update({axis: amounts for axis, amounts in found.items() if not enough(chosen[i][axis])})
@@ -106,10 +113,11 @@ def _amounts(
     episodes: int,
     seed: int,
     workers: int,
+    engine: str,
 ) -> list[Amounts]:
     """Returns what speaks for each value of each axis, for the agent of each pair."""
     blocks = list(cut(layout, players, pairs, episodes, _PURPOSE, seed, _HORIZON))
-    found: dict[int, list[Amounts]] = dict(map_tasks(_measure, blocks, max(1, min(workers, len(blocks)))))
+    found: dict[int, list[Amounts]] = dict(map_tasks(_measure, blocks, max(1, min(workers, len(blocks))), engine))
     return [amounts for first in sorted(found) for amounts in found[first]]
 
 

@@ -96,20 +96,22 @@ def play_pairs(
     horizon: int = 400,
     on_progress: Callable[[int, int], object] = lambda done, of: None,
     purpose: str = PURPOSE,
+    engine: str = "local",
 ) -> Played:
     """Plays some pairs of players as `meet` does: N pairs, each of an agent and a partner, as indices of players.
 
-    It is fastest if the pairs of a partner are neighbours.
+    It is fastest if the pairs of a partner are neighbours. `engine` is "local", "dask" or "ray".
 
     Raises:
         WrongUse, PoolError: As `meet`.
+        EngineError: The engine cannot be used.
     """
     if not pairs or episodes < 1:
         raise WrongUse(f"{len(pairs)} pairs of players and {episodes} episodes; give one of each at least")
     blocks = list(cut(layout, players, pairs, episodes, purpose, seed, horizon))
     returns, sides = np.empty((len(pairs), episodes, 2)), np.empty((len(pairs), episodes, 2), np.int64)
     done = 0
-    for first, played in map_tasks(play_block, blocks, min(workers, len(blocks))):
+    for first, played in map_tasks(play_block, blocks, min(workers, len(blocks)), engine):
         here = slice(first, first + len(played.returns))
         returns[here], sides[here] = played
         done += len(played.returns)

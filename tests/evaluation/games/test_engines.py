@@ -12,7 +12,8 @@ import pytest
 from overcooked_bench.agents.pools.pool import PoolError
 from overcooked_bench.agents.watch import calling
 from overcooked_bench.evaluation.games import engines
-from overcooked_bench.evaluation.games.engines import EngineError, map_tasks, open_engine, refuse
+from overcooked_bench.evaluation.games.apart import EngineError
+from overcooked_bench.evaluation.games.engines import map_tasks, open_engine, refuse
 
 
 def act(task):

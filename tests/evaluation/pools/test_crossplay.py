@@ -96,6 +96,11 @@ def test_a_cell_is_the_same_whoever_else_is_played(monkeypatch):
     assert len(np.unique(np.stack([returns for (_, episodes), returns in rows.items() if episodes == 3]))) > 3
 
 
+@pytest.mark.slow
+def test_a_cluster_plays_the_same(pool, found):
+    assert cross_play(pool, LAYOUT, episodes=3, horizon=40, workers=2, engine="ray") == found
+
+
 def test_good_agents_reach_in_the_matrix_what_their_pool_says():
     pool = Pool.load("dev-v0")
     agents = [pool.agent("forced_coordination", name) for name in ("sp-0", "sp-2")]

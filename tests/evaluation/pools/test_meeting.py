@@ -67,6 +67,16 @@ def test_results_do_not_depend_on_how_pairs_are_cut_or_on_workers(players, monke
     assert whole.returns.any()
 
 
+@pytest.mark.slow
+def test_a_cluster_plays_the_same(players, monkeypatch):
+    everybody, some = list(players.values()), [(0, 1), (3, 1), (2, 2)]
+    here = play_pairs(LAYOUT, everybody, some, 2, horizon=60)
+    monkeypatch.setattr(pairs, "MOST_ROWS", 8)
+    there = play_pairs(LAYOUT, everybody, some, 2, horizon=60, workers=2, engine="dask")
+    assert (here.returns == there.returns).all()
+    assert (here.sides == there.sides).all()
+
+
 def test_a_seed_and_a_purpose_play_other_games():
     greedy = [Player.scripted("greedy", LAYOUT)]
     said = [{}, {}, {"seed": 1}, {"purpose": "something else"}]
