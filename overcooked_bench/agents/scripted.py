@@ -102,6 +102,7 @@ SCRIPTED: Final[dict[str, Scripted]] = {
         Habits(job="early", passes=True, pause=0.2, food_over="bottom", dish_over="middle"),
         "fetches dishes early, passes over counters, pauses in every fifth step; hands onions over at the bottom, "
         "dishes in the middle",
+        version=2,
     ),
 }
 """The scripted agents by name."""

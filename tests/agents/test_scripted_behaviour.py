@@ -20,7 +20,7 @@ TRACES = {
     ("clockwise", 1): "ec096d1f7381265d",
     ("anticlockwise", 1): "2da2373203f72367",
     ("waiter", 2): "68c4b60c574fa541",
-    ("plates_first", 1): "2bbcbe0cbc1fce86",
+    ("plates_first", 2): "2bbcbe0cbc1fce86",
 }
 
 
