@@ -9,6 +9,7 @@ from overcooked_bench.agents.catalogue import load_agent
 from overcooked_bench.agents.policies.ensemble import SampledPartners
 from overcooked_bench.agents.policies.neural import NeuralAgent
 from overcooked_bench.agents.policies.policy import Policy, PolicyFiles, load_policy
+from overcooked_bench.agents.pools.lineage import SET_A
 from overcooked_bench.agents.pools.manifest import PoolError, people_of, read_manifest
 from overcooked_bench.agents.pools.pool import Pool, find_pool, is_pool
 from overcooked_bench.evaluation.games.play import play_episodes
@@ -51,7 +52,8 @@ def scoring_pools(given: Sequence[str], people: Sequence[str] = ()) -> list[tupl
 
     Args:
         given: The partners of the training or of a choice: pools, and whatever else `find` takes.
-        people: Those whose games the agent or its partners are made from; partners made from them are met, too.
+        people: Those whose games the agent or its partners are made from; partners made from them are met, too, unless
+            they are of set A, which several pools have partners of: with these the agent is at home.
 
     Returns:
         Pairs of a protocol's and its pool's name.
@@ -63,7 +65,8 @@ def scoring_pools(given: Sequence[str], people: Sequence[str] = ()) -> list[tupl
 
 
 def _people_meet(people: Sequence[str], pool: str) -> bool:
-    return bool(people) and not {*people}.isdisjoint(people_of(read_manifest(find_pool(pool))))
+    hidden = {*people} - {*SET_A}
+    return bool(hidden) and not hidden.isdisjoint(people_of(read_manifest(find_pool(pool))))
 
 
 def load_partners(names: Sequence[str], settings: Settings) -> list[Agent]:

@@ -41,6 +41,12 @@ def add_score(commands: Any) -> None:
         help="which layouts, pool and episodes are played (default: the newest shipped protocol)",
     )
     parser.add_argument("--pool", metavar="NAME|FOLDER", help="play with this pool instead of the protocol's")
+    parser.add_argument(
+        "--start",
+        choices=("random", "standard"),
+        help="start states: random ones, or the layout's own (default: the protocol's); scores of another start are of "
+        "other games",
+    )
     add_layouts(parser, "play only these layouts of the protocol; an overall score needs all of them")
     add_output(parser, "scores/<agent>-<protocol>")
     add_workers(parser)
@@ -59,19 +65,25 @@ def add_score(commands: Any) -> None:
         default=True,
         help="also run the cooperation unit tests, which takes a few seconds (default: yes)",
     )
+    parser.add_argument(
+        "--explain",
+        action="store_true",
+        help="also show thresholds, partners, cooperation and scenarios, and explain the numbers",
+    )
     add_json(parser)
 
 
 def _score(options: argparse.Namespace) -> int:
     from overcooked_bench.evaluation.games.engines import default_workers
     from overcooked_bench.evaluation.playing import summary_of
-    from overcooked_bench.evaluation.protocol import NEWEST
+    from overcooked_bench.evaluation.protocol import NEWEST, load_protocol, with_start
     from overcooked_bench.evaluation.score import score
 
+    rules = load_protocol(options.protocol or NEWEST)
     with ProgressBar("compiling and loading") as report:
         scored = score(
             options.agent,
-            protocol=options.protocol or NEWEST,
+            protocol=rules if options.start is None else with_start(rules, options.start),
             pool=options.pool,
             layouts=options.layouts,
             output=options.output,
@@ -86,7 +98,7 @@ def _score(options: argparse.Namespace) -> int:
     if options.json:
         print(scored.scores.to_json(), end="")
     else:
-        _print_score(scored)
+        _print_score(scored, options.explain)
     for warning in scored.scores.run.get("warnings", ()):
         print(f"overcooked-bench: warning: {warning}", file=sys.stderr)
     if scored.unwritten:
@@ -98,14 +110,15 @@ def _score(options: argparse.Namespace) -> int:
     return 0
 
 
-def _print_score(scored: "Scored") -> None:
+def _print_score(scored: "Scored", explain: bool) -> None:
     from rich.text import Text
 
+    from overcooked_bench.evaluation.beside import beside
     from overcooked_bench.evaluation.scores import CURVE_FILE, EPISODES_FILE, REPORT_FILE, SCENARIOS_FILE, SCORES_FILE
     from overcooked_bench.evaluation.shown.terminal import score_tables
 
     folder, shown = scored.folder, console()
-    shown.print(score_tables(scored.scores))
+    shown.print(score_tables(scored.scores, beside(scored.scores, folder), explain, shown.width))
     lines = []
     if not scored.episodes and scored.scores.layouts:
         lines.append(f"nothing was played: every block was in {folder} already")

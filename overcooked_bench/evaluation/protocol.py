@@ -249,6 +249,14 @@ def load_protocol(source: str | Path = NEWEST) -> Protocol:
     return read_protocol(read_text(_SHELF.find(source), LONGEST, raises=ProtocolError), str(source))
 
 
+def with_start(protocol: Protocol, start: Literal["random", "standard"]) -> Protocol:
+    """Returns a protocol that plays from other start states; its name says so, and its scores are of other games."""
+    if start == protocol.play.start:
+        return protocol
+    play = msgspec.structs.replace(protocol.play, start=start)
+    return msgspec.structs.replace(protocol, name=f"{protocol.name}-{start}", play=play)
+
+
 def read_protocol(text: str, where: str) -> Protocol:
     """Parses a protocol.
 

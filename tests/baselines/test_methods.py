@@ -198,11 +198,12 @@ def test_a_pool_that_scores_is_known_by_every_way_to_name_it():
     for name in ("dev-v0", "dev-v0/cramped_room/sp-0", str(find_pool("dev-v0"))):
         assert scoring_pools(["greedy", name]) == [("dev", "dev-v0")]
     people = [("people", "human-test"), ("people-standard", "human-test")]
+    assert scoring_pools(["v1/{layout}/sp-0"]) == [("v1", "v1"), ("v1-lite", "v1")]
     assert scoring_pools(["human-test/{layout}/clone-0"]) == people
     test = read_manifest(find_pool("human-test"))
     assert scoring_pools(["greedy"], people_of(test)[:1]) == people, "partners made from the same people"
     train = people_of(read_manifest(find_pool("human-train")))
-    assert scoring_pools(["greedy", "train-v1", "human-train"], train) == []
+    assert scoring_pools(["greedy", "train-v1", "human-train"], train) == [], "of set A: at home with some of v1"
 
 
 def test_who_is_made_from_the_people_of_a_scoring_pool_has_met_its_partners(monkeypatch):

@@ -3,8 +3,13 @@ import re
 import msgspec
 import pytest
 
+from overcooked_bench.agents.catalogue import find
+from overcooked_bench.agents.pools.manifest import read_manifest
+from overcooked_bench.agents.pools.pool import Pool, find_pool
 from overcooked_bench.evaluation import protocol as module
+from overcooked_bench.evaluation.beside import REFERENCES
 from overcooked_bench.evaluation.games.block import play_block
+from overcooked_bench.evaluation.games.roster import roster
 from overcooked_bench.evaluation.protocol import (
     Play,
     Protocol,
@@ -14,7 +19,10 @@ from overcooked_bench.evaluation.protocol import (
     protocol_names,
     read_protocol,
     upgrade,
+    with_start,
 )
+from overcooked_bench.evaluation.scenario_scores import suite_sha256
+from overcooked_bench.evaluation.scores import Source, read_scores
 from overcooked_bench.kitchen.layout import layout_names
 from overcooked_bench.shelf import Shelf
 from tests.evaluation.made import SCRIPTED_POOL, block, changed, protocol_text, reporting
@@ -126,6 +134,43 @@ def test_a_protocol_with_headlines_says_which_pool_it_means():
         read_protocol(re.sub("  pool_sha256.*\n", "", ranks), "tiny.yaml")
     anywhere = re.sub("  pool: .*\n", "  pool: null\n", re.sub("  pool_sha256.*\n", "", ranks))
     assert read_protocol(anywhere, "tiny.yaml").play.pool is None
+
+
+@pytest.mark.parametrize("name", ["v1", "v1-lite"])
+def test_what_ranks_means_the_pool_and_the_scenarios_that_ship(name):
+    """If this fails because one of them was changed: write the new hash, then `evaluation.references` once more."""
+    protocol = load_protocol(name)
+    assert protocol.play.pool_sha256 == read_manifest(find_pool("v1")).hash
+    assert protocol.report.scenarios.sha256 == suite_sha256()
+    shipped = [read_scores(file) for file in REFERENCES.glob("*.json")]
+    (reference,) = [one for one in shipped if one.protocol.name == name]
+    assert reference.agent == Source("greedy", find("greedy").sha256)
+    assert (reference.protocol.sha256, reference.pool.sha256) == (protocol.sha256, protocol.play.pool_sha256)
+    assert [layout.layout for layout in reference.layouts] == list(protocol.play.layouts)
+
+
+def test_v1_and_its_small_sister():
+    whole, lite = load_protocol("v1"), load_protocol("v1-lite")
+    assert (whole.play.episodes, whole.play.seats, whole.play.start, whole.play.self_play) == (
+        10,
+        (0, 1),
+        "random",
+        True,
+    )
+    assert (whole.report.headlines, whole.report.thresholds) == (("n", "h50"), (1, 2, 3, 5))
+    assert (lite.play.episodes, lite.play.per_stratum, lite.report.ranked) == (1, 2, False)
+    pool = Pool.load("v1")
+    for layout in lite.play.layouts:
+        strata = [partner.entry.stratum for partner in roster(pool, layout, lite.play.per_stratum)]
+        assert sorted(strata) == sorted(2 * ["own", "other-trainers", "human", "scripted"])
+
+
+def test_the_standard_start_makes_other_games_of_another_name():
+    v1 = load_protocol("v1")
+    standard = with_start(v1, "standard")
+    assert (standard.name, standard.play.start) == ("v1-standard", "standard")
+    assert standard.sha256 != v1.sha256
+    assert with_start(v1, "random") is v1
 
 
 def test_the_thesis_is_a_protocol():

@@ -17,7 +17,7 @@ def per_repetition(cells: Cells) -> NDArray[np.float64]:
 
 
 METRIC: Final = Metric(
-    facts=MetricFacts(name="self_play", label="with itself", tables=("report",)),
+    facts=MetricFacts(name="self_play", label="with\nitself", interval=False),
     per_repetition=per_repetition,
     by=("overall", "layout"),
     place=25,

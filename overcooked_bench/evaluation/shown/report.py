@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Final
 
 from overcooked_bench.evaluation.scores import MEAN, Scores
+from overcooked_bench.evaluation.shown.notes import notes
 from overcooked_bench.evaluation.shown.plots import draw_curve, follow_theme
 from overcooked_bench.evaluation.shown.tables import (
     cells_table,
     figure,
     layouts_table,
     name_of,
-    notes,
     partners_table,
     scenarios_table,
 )

@@ -1,28 +1,28 @@
-"""A score as tables, and notes on what they do not show. Terminal and report share both."""
+"""A score as tables, for terminal and report."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import Literal
 
 from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.cells import PartnerLabel
 from overcooked_bench.evaluation.metric import MetricFacts
 from overcooked_bench.evaluation.scores import MEAN, CategoryScore, LayoutFacts, Row, ScenarioScore, Scores
-from overcooked_bench.kitchen.menu import DEFAULT_SOUP_REWARD
 from overcooked_bench.rendering.table import Cell, Column, Number, Table
 
 NONE = "-"
 
 
-def layouts_table(scores: Scores, place: Literal["terminal", "report"]) -> Table:
+def layouts_table(scores: Scores, place: Literal["terminal", "report"], without: Collection[str] = ()) -> Table:
     """Lays out one row per layout and one column per metric, with the mean over all layouts below.
 
     Args:
         scores: What to show.
         place: Where it is shown; metrics say whether they are a column there.
+        without: Metrics that are shown elsewhere.
     """
     columns: list[tuple[str, str, dict[str, float], int | None]] = []
     for facts in scores.metrics:
-        if place not in facts.tables:
+        if place not in facts.tables or facts.name in without:
             continue
         found = _distinct(row.params for row in scores.select(facts.name, partner=None, stratum=None))
         for params in found or [{}] * (facts.name == MEAN):
@@ -38,7 +38,7 @@ def layouts_table(scores: Scores, place: Literal["terminal", "report"]) -> Table
             for row, facts, seat in found
         ]
 
-    rows: list[list[Cell]] = [[_name(layout), *cells(layout.layout)] for layout in scores.layouts]
+    rows: list[list[Cell]] = [[layout_name(layout), *cells(layout.layout)] for layout in scores.layouts]
     rows += [[declined.layout, "declined"] for declined in scores.declined]
     foot: list[list[Cell]] = []
     if scores.overall is None:
@@ -57,7 +57,7 @@ def partners_table(scores: Scores) -> Table:
         pairs = scores.with_partners(layout)
         means = (scores.find(layout=layout.layout, partner=name) for name in floors)
         ends = [f"{name_of(label)} {row.value:.1f}" for label, row in (pairs[0], pairs[-1])]
-        rows.append([_name(layout), *ends, *(f"{row.value:.1f}" if row else NONE for row in means)])
+        rows.append([layout_name(layout), *ends, *(f"{row.value:.1f}" if row else NONE for row in means)])
     return Table(["layout", "worst partner", "best partner", *(f"floor\n{name}" for name in floors)], rows)
 
 
@@ -118,33 +118,6 @@ def figure(estimate: Estimate, facts: MetricFacts, interval: bool | None = None)
     return Number(value + " %" * share, ends)
 
 
-def notes(scores: Scores) -> list[str]:
-    """Returns notes on what the tables do not show: intervals, undecided partners, what was not played."""
-    said = [f"Points per episode ({_worth(scores)}). {scores.interval}"]
-    said += [facts.note for facts in scores.metrics if facts.note and any(scores.select(facts.name))]
-    if any(not label.counts for layout in scores.layouts for label in layout.partners):
-        said.append("Floors are played and shown but do not count in any score.")
-    near = [f"{r.value:.0f} at {r.params['soups']:g} ({r.layout})" for r in scores.select("undecided") if r.value]
-    if near:
-        said.append(f"Partners within two standard errors of a threshold: {', '.join(near)}.")
-    if scores.salt != scores.settings.play.salt:
-        said.append(f"Salt {scores.salt}: compare with scores of this salt only; --salt repeats it.")
-    said += [f"{layout.layout}: {layout.remark}" for layout in scores.layouts if layout.remark]
-    adapted = [layout.layout for layout in scores.layouts if layout.adapted]
-    if adapted:
-        said.append(f"Adapted (played by its mirror image): {', '.join(adapted)}.")
-    said += [f"Declined: {one.layout} ({one.reason})." for one in scores.declined]
-    if scores.unranked:
-        said.append(f"No overall score, which is the mean over all layouts of the protocol: {scores.unranked}.")
-    if scores.scenarios:
-        said.append(
-            "Scenarios: passed from each seat in each mirror; the mean of families counts similar scenarios as one."
-        )
-    if any(label.is_ego for layout in scores.layouts for label in layout.partners):
-        said.append("* The scored agent itself is among the partners.")
-    return said
-
-
 def name_of(label: PartnerLabel) -> str:
     """Returns a partner's name, with a star if it is the scored agent itself."""
     return label.name + "*" * label.is_ego
@@ -155,15 +128,8 @@ def count_text(count: float) -> str:
     return f"{count:.1f}".removesuffix(".0")
 
 
-def _worth(scores: Scores) -> str:
-    """Says what a soup is worth: the same on all layouts as a rule, else layout by layout."""
-    points = {layout.layout: layout.soup_points for layout in scores.layouts}
-    if len(set(points.values())) <= 1:
-        return f"one soup = {next(iter(points.values()), DEFAULT_SOUP_REWARD):g}"
-    return "one soup = " + ", ".join(f"{worth:g} on {layout}" for layout, worth in points.items())
-
-
-def _name(layout: LayoutFacts) -> str:
+def layout_name(layout: LayoutFacts) -> str:
+    """Returns a layout's name, and whether it was played by its mirror image."""
     return layout.layout + (" (adapted)" if layout.adapted else "")
 
 

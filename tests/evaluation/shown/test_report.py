@@ -117,7 +117,7 @@ def test_nothing_attempted_is_drawn_and_told_too(scored, tmp_path):
 
 def shown(scores):
     console = Console(width=80, file=StringIO())
-    console.print(score_tables(scores))
+    console.print(score_tables(scores, explain=True))
     return console.file.getvalue()
 
 
