@@ -157,7 +157,7 @@ def console() -> Any:
     return Console(width=None if sys.stdout.isatty() else 100)
 
 
-_PLAIN: Final = {"≥": ">=", "≤": "<=", "·": "-", "…": "...", "×": "x", "→": "->", "─": "-"}
+_PLAIN: Final = {"≥": ">=", "≤": "<=", "·": "-", "…": "...", "×": "x", "→": "->", "─": "-", "±": "+-"}
 """What is printed instead of characters that a terminal does not have."""
 
 

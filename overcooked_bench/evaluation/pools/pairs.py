@@ -56,6 +56,8 @@ class Block(NamedTuple):
         purpose: What the episodes are for, which all streams depend on.
         seed: Of all streams.
         horizon: Steps of an episode.
+        start: "random" or "standard".
+        object_probability: Chance of each pot and each pair of hands to be filled at the start.
     """
 
     first: int
@@ -67,6 +69,8 @@ class Block(NamedTuple):
     purpose: str
     seed: int
     horizon: int
+    start: str = "random"
+    object_probability: float = 0.0
 
     @property
     def rows(self) -> int:
@@ -157,7 +161,7 @@ def play_block(block: Block) -> tuple[int, Played]:
 
 
 def play_games(block: Block, watch: Callable[[Kitchens, StepResult], object] | None = None) -> Games:
-    """Plays the games of a block, from random starts.
+    """Plays the games of a block.
 
     Every agent meets a partner from the same start states, in each of them from both seats.
 
@@ -181,7 +185,10 @@ def play_games(block: Block, watch: Callable[[Kitchens, StepResult], object] | N
     with one_thread():
         who = np.repeat(np.array(block.pairs), shape[1] * 2, axis=0).T
         parties = _seated(block, who, np.stack([block.seats, 1 - block.seats]))
-        kitchens = make_kitchens(block.layout, block.rows, parties, cooking=block.cooking, horizon=block.horizon)
+        starts_of = {"start": block.start, "object_probability": block.object_probability}
+        kitchens = make_kitchens(
+            block.layout, block.rows, parties, cooking=block.cooking, horizon=block.horizon, **starts_of
+        )
         kitchens.reset(seed=starts.ravel())
         return play(kitchens, parties, streams.reshape(-1, 2), watch)
 
