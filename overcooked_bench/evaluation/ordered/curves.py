@@ -1,7 +1,7 @@
 """Ordered curves and the table that is read from them: numbers alone, without playing.
 
-A row is one agent of an entrant: what it reaches with each partner, in ascending order. At a share x of the partners a
-row of n of them has its ceil(x n)-th smallest number, so that rows of unequal length can be summarised.
+A row is one agent of an entrant: what it reaches with each partner, in ascending order. A row of n partners has its
+ceil(x n)-th smallest number at a share x of them, so that rows of unequal length can be summarised.
 
 Axes: R rows of an entrant, X shares of the partners, D draws.
 
