@@ -96,7 +96,7 @@ class Comparison(msgspec.Struct, frozen=True):
         kind: Whether methods are compared, or agents of one artefact each.
         entrants: What is compared, in the order given.
         interval: What the intervals cover.
-        test: What the test is.
+        test: What the test is; None if nothing was tested.
         metrics: The protocol's headlines, or the one that was asked for.
     """
 
@@ -105,7 +105,7 @@ class Comparison(msgspec.Struct, frozen=True):
     kind: Literal["methods", "agents"]
     entrants: tuple[Entrant, ...]
     interval: str
-    test: str
+    test: str | None
     metrics: tuple[Compared, ...]
 
 
@@ -164,7 +164,7 @@ def compare(*scores: Scores | str | Path, metric: str | None = None) -> Comparis
             for name, one, again in zip(names, read, alike, strict=True)
         ),
         interval=_interval(alike, compared),
-        test=_test(read[0].training_seeds, len(pairs)),
+        test=_test(read[0].training_seeds, compared),
         metrics=tuple(compared),
     )
 
@@ -272,7 +272,10 @@ def _interval(scores: Sequence[Scores], compared: Sequence[Compared]) -> str:
     return _SEEDS.format(n=seeds) if seeds > 1 else _PARTNERS
 
 
-def _test(seeds: int, pairs: int) -> str:
+def _test(seeds: int, compared: Sequence[Compared]) -> str | None:
+    if all(one.p is None for some in compared for pair in some.pairs for one in pair.differences):
+        return None
+    pairs = len(compared[0].pairs)
     several = _HOLM.format(pairs=pairs) * (pairs > 1)
     if seeds == 1:
         return _TEST_OF_PARTNERS + several

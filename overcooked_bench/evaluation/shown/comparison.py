@@ -68,7 +68,7 @@ def primary(pair: Pair) -> list[Difference]:
 
 def comparison_notes(found: Comparison) -> list[str]:
     """Returns notes on what the tables do not show."""
-    said = [found.interval, found.test]
+    said = [found.interval, *filter(None, [found.test])]
     said += [compared.metric.note for compared in found.metrics if compared.metric.note]
     said += [text for compared in found.metrics if (text := _seen(compared, found.entrants[0].training_seeds))]
     again = [one.name for one in found.entrants if one.computed_again]
@@ -79,7 +79,8 @@ def comparison_notes(found: Comparison) -> list[str]:
 
 def title_of(facts: MetricFacts) -> str:
     """Returns what a metric is called without its parameters and its interval."""
-    return facts.label.partition("{")[0].partition("[")[0].replace("\n", " ").strip() or facts.name
+    title = facts.label.partition("{")[0].partition("[")[0].replace("\n", " ").strip()
+    return title if any(map(str.isalnum, title)) else facts.name
 
 
 def p_text(p: float | None) -> str:

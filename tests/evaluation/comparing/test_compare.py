@@ -172,6 +172,7 @@ def test_scores_of_schema_1_are_compared_without_intervals():
     comparison = compare(OLD, OLD, metric="tail_mean")
     assert comparison.metrics[0].pairs[0].differences[0].difference == Estimate(0)
     assert "no values per repetition" in comparison.interval
+    assert comparison.test is None
 
 
 @pytest.fixture(scope="module")
