@@ -38,7 +38,7 @@ def home(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def scored(home):
-    return run("score", "mine.py", "--protocol", "tiny.yaml", "--workers", "1", folder=home)
+    return run("score", "mine.py", "--protocol", "tiny.yaml", "--workers", "1", "--explain", folder=home)
 
 
 @pytest.mark.slow
@@ -47,7 +47,7 @@ def test_score_prints_a_table_and_writes_a_folder(scored, home):
     for words in ("cramped_room", "worst partner", "floor", "nothing about retraining", "scores/mine-tiny/report.html"):
         assert words in scored.stdout
     for category in ("state", "partner", "memory", "convention", "horizon", "total"):
-        assert re.search(rf"\n{category} +\d+ +\d+ ", scored.stdout)
+        assert re.search(rf"\n{category} +[\d.]+ +\d+ ", scored.stdout)
     assert "\x1b" not in scored.stdout
     written = {file.name for file in (home / "scores" / "mine-tiny").iterdir()}
     assert written == {"score.json", "episodes.sqlite", "report.html", "curve.png", "scenarios.json"}

@@ -65,7 +65,7 @@ def test_a_script_runs(text, tmp_path, monkeypatch):
     if "views" in names:
         assert names["views"].shape == (4096, 2, 26, 4, 5)
     elif "scored" in names:
-        assert (tmp_path / "scores" / "greedy-dev" / "report.html").is_file()
+        assert (tmp_path / "scores" / "greedy-v1" / "report.html").is_file()
     elif "games" in names:
         assert names["games"] == [names["game"]]
         assert names["seen"].shape == (1, 2, 22, 4, 5)

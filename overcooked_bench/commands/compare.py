@@ -13,7 +13,7 @@ def add_compare(commands: Any) -> None:
         "compare",
         _compare,
         "compare scores of the same games: differences with intervals and tests, and what training seeds buy",
-        "overcooked-bench compare scores/mine-dev scores/greedy-dev --output comparison",
+        "overcooked-bench compare scores/mine-v1 scores/greedy-v1 --output comparison",
     )
     parser.add_argument(
         "scores",

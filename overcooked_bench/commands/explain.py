@@ -28,7 +28,7 @@ def add_explain(commands: Any) -> None:
         "explain",
         _explain,
         "say why an agent failed: play on from its moments with its partner, with a copy of itself, and without it",
-        "overcooked-bench explain scores/my_agent-dev --layouts forced_coordination",
+        "overcooked-bench explain scores/my_agent-v1 --layouts forced_coordination",
     )
     parser.add_argument("score", metavar="DIR", help="the folder of a score, or its episodes.sqlite")
     parser.add_argument(

@@ -21,7 +21,7 @@ def add_replay(commands: Any) -> None:
         "replay",
         _replay,
         "show a recorded episode in the terminal, as a page or as a GIF",
-        "overcooked-bench replay scores/greedy-dev --layout cramped_room --worst --page worst.html",
+        "overcooked-bench replay scores/greedy-v1 --layout cramped_room --worst --page worst.html",
     )
     parser.add_argument(
         "source", metavar="DIR|FILE", help="the folder of a score, its episodes.sqlite, or a games file (*.games.jsonl)"

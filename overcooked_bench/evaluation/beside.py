@@ -15,7 +15,8 @@ class Beside(NamedTuple):
     """Scores that one is shown beside.
 
     Attributes:
-        reference: Of the protocol's reference agent in the same games, all partners together; None if nobody has it.
+        reference: Of the protocol's reference agent in the same games, all partners together; None if nobody has it, or
+            if the score is its own.
         criterion: Of the same agent under the protocol's criterion; None if it was not scored with it.
     """
 
@@ -48,6 +49,6 @@ def _shipped() -> list[Scores]:
 
 
 def _same_games(one: Scores, other: Scores) -> bool:
-    return one.agent.name == other.settings.report.reference and all(
-        getattr(one, key) == getattr(other, key) for key in ("protocol", "pool", "seed", "salt")
-    )
+    """Returns whether the first score is of the reference agent of the second one, which is another, in its games."""
+    shared = all(getattr(one, key) == getattr(other, key) for key in ("protocol", "pool", "seed", "salt"))
+    return shared and one.agent.name == other.settings.report.reference and one.agent != other.agent

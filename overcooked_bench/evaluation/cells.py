@@ -246,7 +246,8 @@ def _places(
     seeds, episodes, seats = shape
     index, places = {name: number for number, name in enumerate(names)}, []
     for row in rows:
-        if row.training_seed >= seeds or row.episode >= episodes or row.seat not in seats:
+        known = row.seat in seats and row.partner in index
+        if row.training_seed >= seeds or row.episode >= episodes or not known:
             raise StoreError(f"{store.file}: {row.cell} does not belong to the protocol; score into another folder")
         places.append((row.training_seed, index[row.partner], row.episode, seats.index(row.seat)))
     return tuple(np.array(places, np.int64).reshape(-1, 4).T)

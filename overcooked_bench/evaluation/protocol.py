@@ -26,7 +26,7 @@ from overcooked_bench.evaluation import metrics
 from overcooked_bench.files import check_name, read_text
 from overcooked_bench.shelf import Shelf, guess
 
-NEWEST: Final = "dev"
+NEWEST: Final = "v1"
 """The default protocol."""
 
 MOST_STEPS: Final = 10_000

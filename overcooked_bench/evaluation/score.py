@@ -117,7 +117,7 @@ def score(
         scored = score("my_agent.py", layouts=["cramped_room"], workers=2)
         print(scored.scores.overall, scored.scores.faults)
         for layout in scored.scores.layouts:
-            print(layout.layout, scored.scores.find("mean", layout=layout.layout).estimate)
+            print(layout.layout, scored.scores.find("n", layout=layout.layout).estimate)
         ```
     """
     started, clock = datetime.now(UTC), time.monotonic()

@@ -28,9 +28,10 @@ from overcooked_bench.shelf import Shelf
 from tests.evaluation.made import SCRIPTED_POOL, block, changed, protocol_text, reporting
 
 
-def test_the_default_is_the_dev_protocol():
-    protocol = load_protocol()
-    assert protocol == load_protocol("dev")
+def test_the_default_is_v1_and_dev_is_as_it_was():
+    assert load_protocol() == load_protocol("v1")
+    assert protocol_names()[0] == "v1"
+    protocol = load_protocol("dev")
     play = protocol.play
     assert play.layouts == layout_names()[:5]
     assert (play.horizon, play.episodes, play.seats, play.pool) == (400, 10, (0, 1), "dev-v0")

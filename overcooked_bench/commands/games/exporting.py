@@ -21,7 +21,7 @@ def add_export(commands: Any) -> None:
         "export",
         _export,
         "write the episodes of a score to a games file",
-        "overcooked-bench games export scores/greedy-dev --layouts cramped_room",
+        "overcooked-bench games export scores/greedy-v1 --layouts cramped_room",
     )
     parser.add_argument("score", metavar="DIR", help="the folder of a score, or its episodes.sqlite")
     add_layouts(parser)

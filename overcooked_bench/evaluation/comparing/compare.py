@@ -132,7 +132,7 @@ def compare(*scores: Scores | str | Path, metric: str | None = None) -> Comparis
         from overcooked_bench import compare, score
 
         mine = score("my_agent.py").scores
-        found = compare(mine, "scores/greedy-dev", metric="mean")
+        found = compare(mine, "scores/greedy-v1", metric="mean")
         print(found.metrics[0].pairs[0].differences[0].difference)
         ```
     """
