@@ -17,6 +17,7 @@ STYLE: Final = (
 """CSS of a page with forest plots."""
 
 _WIDTH: Final = 360
+_LEAST: Final = 1e-6  # a smaller span is drawn as none: its scale would be no number
 _MARGIN: Final = 14
 _ROW: Final = 40
 _TOP: Final = 26
@@ -49,7 +50,7 @@ def forest(bars: Sequence[Bar], left: str, right: str) -> str:
     """
     ends = [end for bar in bars for end in bar.difference if end is not None]
     low, high = min(0.0, *ends), max(0.0, *ends)
-    if low == high:
+    if high - low < _LEAST:
         low, high = -1.0, 1.0
     scale = (_WIDTH - 2 * _MARGIN) / (high - low)
 

@@ -4,7 +4,7 @@ import re
 from io import StringIO
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from rich.console import Console
 
@@ -92,6 +92,7 @@ def test_agents_have_a_page_too(tmp_path):
 ENDS = st.floats(-1000, 1000, allow_nan=False)
 
 
+@example([(0.0, 0.0, 2.2e-309)])
 @given(st.lists(st.tuples(ENDS, ENDS, ENDS), min_size=1, max_size=5))
 def test_a_forest_plot_stays_within_its_frame_and_has_a_line_at_zero(ends):
     bars = [Bar("layout", Estimate(middle, low, high), "text") for low, middle, high in map(sorted, ends)]
