@@ -17,6 +17,7 @@ from overcooked_bench.commands.games.group import add_games
 from overcooked_bench.commands.listing import add_list
 from overcooked_bench.commands.pool import add_pool
 from overcooked_bench.commands.replay import add_replay
+from overcooked_bench.commands.report import add_report
 from overcooked_bench.commands.scenarios import add_scenarios
 from overcooked_bench.commands.score import add_score
 from overcooked_bench.commands.train import add_train
@@ -24,7 +25,7 @@ from overcooked_bench.errors import OvercookedBenchError
 from overcooked_bench.processes import sigterm_as_ctrl_c
 
 COMMANDS: Final[list[Callable[[Any], None]]] = [
-    *(add_score, add_compare, add_explain, add_replay, add_crossplay, add_scenarios),
+    *(add_score, add_report, add_compare, add_explain, add_replay, add_crossplay, add_scenarios),
     *(add_train, add_pool, add_games, add_list),
 ]
 """What declares each command, in the order of `--help`."""

@@ -2,11 +2,11 @@
 
 import re
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pytest
 
-from overcooked_bench import play_episodes
+from overcooked_bench import play_episodes, score
 from overcooked_bench.agents import UnknownLayout
 from overcooked_bench.agents.submissions.loading import load_submission
 
@@ -20,7 +20,8 @@ BLOCKS = [
 SUBMISSIONS = {name: block for name, block in BLOCKS if "def make_agent" in block}
 NETWORKS = {name: block for name, block in SUBMISSIONS.items() if "torch" in block}
 SIMPLE = {name: block for name, block in SUBMISSIONS.items() if name not in NETWORKS}
-SCRIPTS = {name: block for name, block in BLOCKS if name not in SUBMISSIONS}
+ANALYSES = {name: block for name, block in BLOCKS if "episodes.sqlite" in block}
+SCRIPTS = {name: block for name, block in BLOCKS if name not in SUBMISSIONS and name not in ANALYSES}
 
 
 def submission(text, tmp_path):
@@ -71,6 +72,26 @@ def test_a_script_runs(text, tmp_path, monkeypatch):
         assert names["seen"].shape == (1, 2, 22, 4, 5)
     else:
         assert environments
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", ANALYSES.values(), ids=ANALYSES)
+def test_an_analysis_finds_the_numbers_of_score_json(text, tmp_path, monkeypatch):
+    layouts = ["cramped_room", "forced_coordination"]
+    scored = score("greedy", "v1-lite", layouts=layouts, output=tmp_path / "scores" / "greedy-v1-lite", scenarios=False)
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    exec(compile(text, "a page", "exec"), names)
+    names["store"].close()
+    found = scored.scores
+    assert len(names["n"]) == len(layouts)
+    for layout in layouts:
+        assert names["n"][layout, 0] == pytest.approx(found.find("n", layout=layout).value)
+        soups = found.find("threshold", layout=layout, params={"soups": 3})
+        assert names["three_soups"][layout, 0] == pytest.approx(soups.value)
+        for row in found.select("mean", layout=layout, seat=None):
+            if row.partner:
+                assert names["mean"][layout, 0, row.partner] == row.value
 
 
 def test_the_scenario_passes_the_acceptance_checks(tmp_path):

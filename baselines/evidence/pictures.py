@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from overcooked_bench.evaluation.shown.plots import COLOURS
+from overcooked_bench.evaluation.shown.figures import COLOURS
 from overcooked_bench.human.shown import name as short
 
 from .records import Evidence, LayoutRecord

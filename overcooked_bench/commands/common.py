@@ -4,6 +4,7 @@ import argparse
 import codecs
 import io
 import sys
+import time
 from collections.abc import Callable
 from typing import Any, Final, NoReturn
 
@@ -185,8 +186,11 @@ class ProgressBar:
     def __init__(self, waiting: str) -> None:
         self._waiting = waiting
 
-    def __enter__(self) -> Callable[[str, int, int], None]:
-        """Starts it; the result reports: what has just been done, how many are done, how many there are."""
+    def __enter__(self) -> Callable[..., None]:
+        """Starts it; the result takes what has just been done, how many are done, how many there are.
+
+        It takes the number of episodes played so far, too, and the bar says how many they are per second.
+        """
         from rich.console import Console
         from rich.progress import (
             BarColumn,
@@ -198,13 +202,26 @@ class ProgressBar:
         )
 
         where = Console(stderr=True)
-        columns = BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn()
+        columns = BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeElapsedColumn()
         self._bar = Progress(
-            TextColumn("{task.description}"), *columns, console=where, disable=not where.is_terminal, transient=True
+            *(TextColumn("{task.description}"), *columns, TextColumn("left"), TimeRemainingColumn()),
+            console=where,
+            disable=not where.is_terminal,
+            transient=True,
         )
-        task = self._bar.add_task(self._waiting, total=None)
+        task = self._bar.add_task(self._waiting, total=None, rate="")
+        first: list[tuple[float, int]] = []  # before the first report there are programs to load and to compile
         self._bar.start()
-        return lambda what, done, of: self._bar.update(task, description=what, completed=done, total=of)
+
+        def tell(what: str, done: int, of: int, episodes: int | None = None) -> None:
+            rate, now = "", time.monotonic()
+            if episodes is not None:
+                first[:] = first or [(now, episodes)]
+                started, before = first[0]
+                rate = f"{(episodes - before) / (now - started):,.0f} episodes/s" if episodes > before else ""
+            self._bar.update(task, description=what, completed=done, total=of, rate=rate)
+
+        return tell
 
     def __exit__(self, *_: object) -> None:
         """Takes it away."""

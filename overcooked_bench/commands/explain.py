@@ -47,7 +47,9 @@ def _explain(options: argparse.Namespace) -> int:
     from overcooked_bench.evaluation.explaining.explain import explain
     from overcooked_bench.evaluation.explaining.records import EXPLAIN_FILE, MOMENTS_FOLDER
     from overcooked_bench.evaluation.games.engines import default_workers
+    from overcooked_bench.evaluation.scores import REPORT_FILE, SCORES_FILE, read_scores
     from overcooked_bench.evaluation.shown.explanation import explanation_tables
+    from overcooked_bench.evaluation.shown.report import write_report
 
     with ProgressBar("compiling and loading") as tell:
         explanation, folder = explain(
@@ -59,6 +61,8 @@ def _explain(options: argparse.Namespace) -> int:
             act_timeout=options.act_timeout,
             on_progress=tell,
         )
+    if reported := (folder / SCORES_FILE).is_file():
+        write_report(read_scores(folder), folder)
     kept = folder / MOMENTS_FOLDER
     shown = console()
     games = _write_games(explanation, kept / GAMES_FILE)
@@ -67,6 +71,7 @@ def _explain(options: argparse.Namespace) -> int:
         return 0
     shown.print(explanation_tables(explanation))
     lines = [f"{folder / EXPLAIN_FILE}  every moment"]
+    lines += [f"{folder / REPORT_FILE}  the report, which shows this too"] * reported
     if games:
         lines += [
             f"{kept}  the worst moments as scenarios: overcooked-bench scenarios run {kept} --agent AGENT",

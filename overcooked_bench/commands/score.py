@@ -18,6 +18,7 @@ from overcooked_bench.commands.common import (
 )
 
 if TYPE_CHECKING:
+    from overcooked_bench.evaluation.playing import Progress
     from overcooked_bench.evaluation.score import Scored
 
 
@@ -93,7 +94,7 @@ def _score(options: argparse.Namespace) -> int:
             salt=options.salt,
             act_timeout=options.act_timeout,
             scenarios=options.scenarios,
-            on_progress=lambda at: report(at.what, at.done, at.of),
+            on_progress=lambda at: report(*_progress(at)),
         )
     if options.json:
         print(scored.scores.to_json(), end="")
@@ -108,6 +109,13 @@ def _score(options: argparse.Namespace) -> int:
             print(f"overcooked-bench: {line}", file=sys.stderr)
         return 1
     return 0
+
+
+def _progress(at: "Progress") -> tuple[Any, ...]:
+    """Returns what the progress bar shows: of scenarios no number of episodes."""
+    if at.what == "scenarios":
+        return at.what, at.done, at.of
+    return f"blocks, {at.what}", at.done, at.of, at.episodes
 
 
 def _print_score(scored: "Scored", explain: bool) -> None:
@@ -132,5 +140,6 @@ def _print_score(scored: "Scored", explain: bool) -> None:
         if (folder / file).is_file() and (file != SCENARIOS_FILE or scored.scores.scenarios):
             lines.append(f"{folder / file}  {what}")
     lines.append(f"watch the worst one: overcooked-bench replay {folder} --worst")
+    lines.append(f"plots and tables as files, beside other scores: overcooked-bench report {folder} [--beside SCORE]")
     for line in lines:
         shown.print(Text(line, style="dim"), soft_wrap=True)

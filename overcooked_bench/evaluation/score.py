@@ -32,12 +32,10 @@ from overcooked_bench.evaluation.scenario_scores import ScenariosPlayed, play_sc
 from overcooked_bench.evaluation.scores import (
     CURVE_FILE,
     EPISODES_FILE,
-    REPORT_FILE,
     SCORES_FILE,
     Declined,
     Scores,
 )
-from overcooked_bench.evaluation.shown.plots import draw_curve
 from overcooked_bench.evaluation.shown.report import write_report
 from overcooked_bench.evaluation.summary import summarise
 from overcooked_bench.kitchen.layout import Layout
@@ -276,8 +274,9 @@ def _choose(rules: Protocol, layouts: Sequence[str] | None, entrant: Entrant) ->
 
 
 def _write(scores: Scores, items: ScenariosPlayed | None, folder: Path) -> None:
-    draw_curve(scores, folder / CURVE_FILE)
-    write_report(scores, folder / REPORT_FILE)
+    for section in write_report(scores, folder):
+        if "curves" in section.plots:
+            section.plots["curves"].save(folder / CURVE_FILE)
     if items:
         write_scenarios(items, scores.agent.name, scores.settings.play.mode, folder)
     scores.write(folder / SCORES_FILE)

@@ -1,14 +1,18 @@
 """`Table`: rows of text, laid out for a terminal, as Markdown, HTML or CSV."""
 
 import csv
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 from io import StringIO
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 if TYPE_CHECKING:
     from rich.table import Table as RichTable
+
+
+_INTERVAL: Final = " [95 %]"
 
 
 class Column(NamedTuple):
@@ -129,11 +133,15 @@ class Table:
         return '<div class="wide"><table>\n' + "\n".join(lines) + "\n</table></div>"
 
     def csv(self) -> str:
-        """Writes the table as CSV (RFC 4180)."""
+        """Writes the table as CSV (RFC 4180), with numbers that programs can read.
+
+        A column with intervals becomes three, and a percent sign that all its numbers have moves into its heading.
+        """
         file = StringIO()
-        writer = csv.writer(file)
-        writer.writerow([column.heading.replace("\n", " ") for column in self._columns()])
-        writer.writerows([str(cell) for cell in row] for row in self._filled((*self.rows, *self.foot)))
+        heads = [column.heading.replace("\n", " ") for column in self._columns()]
+        rows = self._filled((*self.rows, *self.foot))
+        columns = (_csv(head, [row[index] for row in rows]) for index, head in enumerate(heads))
+        csv.writer(file).writerows(zip(*(column for part in columns for column in part), strict=True))
         return file.getvalue()
 
     def _columns(self) -> list[Column]:
@@ -169,6 +177,19 @@ def _html(cell: Cell) -> str:
     if isinstance(cell, Number):
         return escape(cell.value) + (f" <small>{escape(cell.interval)}</small>" if cell.interval else "")
     return escape(_printable(cell)).replace("\n", "<br>")
+
+
+def _csv(heading: str, cells: Sequence[Cell]) -> list[list[str]]:
+    """Returns a column as one of CSV, its heading first; with what is known about the error as more of them."""
+    numbers = [cell for cell in cells if isinstance(cell, Number)]
+    unit = " %" if numbers and all(number.value.endswith(" %") for number in numbers) else ""
+    head = heading.replace(_INTERVAL, "") + unit
+    columns = [[head, *(cell.value.removesuffix(unit) if isinstance(cell, Number) else str(cell) for cell in cells)]]
+    ends = [re.findall(r"-?[\d.]+", cell.interval) if isinstance(cell, Number) else [] for cell in cells]
+    names = ("low", "high") if max(map(len, ends), default=0) == 2 else ("s.e.",)
+    for index, name in enumerate(names if any(ends) else ()):
+        columns.append([f"{head} {name}", *(end[index] if end else "" for end in ends)])
+    return columns
 
 
 def _style(column: Column, cell: Cell) -> str:

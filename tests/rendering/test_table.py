@@ -70,3 +70,14 @@ def test_a_name_is_printed_as_it_is(name):
 def test_csv_is_read_back(rows):
     read = list(csv.reader(StringIO(Table(["a", "b"], rows).csv(), newline="")))
     assert read == [["a", "b"], *rows]
+
+
+def test_numbers_in_csv_are_numbers():
+    rows = [["a", Number("41 %", "[35, 47]"), Number("0.5", "± 0.1")], ["b", Number("-3 %", "[-9, 2]"), "-"], ["c"]]
+    read = list(csv.reader(StringIO(Table(["layout", "N\n[95 %]", "lite"], rows).csv(), newline="")))
+    assert read == [
+        ["layout", "N %", "N % low", "N % high", "lite", "lite s.e."],
+        ["a", "41", "35", "47", "0.5", "0.1"],
+        ["b", "-3", "-9", "2", "-", ""],
+        ["c", "", "", "", "", ""],
+    ]

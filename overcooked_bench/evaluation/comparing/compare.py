@@ -141,7 +141,7 @@ def compare(*scores: Scores | str | Path, metric: str | None = None) -> Comparis
     read = [given if isinstance(given, Scores) else read_scores(given) for given in scores]
     names = _names(read)
     for (one, mine), (other, theirs) in pairwise(zip(names, read, strict=True)):
-        _check_same_games(one, mine, other, theirs)
+        check_same_games(one, mine, other, theirs)
     _check_same_kind(names, read)
     alike = [_as_reported(read[0], one, given) for one, given in zip(read, scores, strict=True)]
     chosen = _metrics(alike, names, metric)
@@ -178,7 +178,12 @@ def _names(scores: Sequence[Scores]) -> list[str]:
     ]
 
 
-def _check_same_games(one: str, mine: Scores, other: str, theirs: Scores) -> None:
+def check_same_games(one: str, mine: Scores, other: str, theirs: Scores) -> None:
+    """Checks that two scores, which are called `one` and `other`, are of the same games.
+
+    Raises:
+        CompareError: Protocol, pool, seed or salt differ; says how.
+    """
     for what, ours, their in (
         ("protocol", mine.protocol.sha256, theirs.protocol.sha256),
         ("pool", mine.pool and mine.pool.sha256, theirs.pool and theirs.pool.sha256),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.explaining.reasons import FAILURES, PAIRINGS, REASONS
 from overcooked_bench.evaluation.explaining.records import PREFIX, Explanation, Shares
-from overcooked_bench.rendering.table import Cell, Column, Table
+from overcooked_bench.rendering.table import Cell, Column, Number, Table
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
@@ -31,7 +31,7 @@ def soups_table(explanation: Explanation) -> Table:
     heads = ["agent and\npartner", "two of\nthe agent", "two of\nthe partner", "two of\ngreedy"]
     named = [(one.layout, one.shares) for one in explanation.layouts] + [("all layouts", explanation.total)]
     rows: list[list[Cell]] = [
-        [name, *(shares.soups[pairing].text(1) if shares.soups else NONE for pairing in PAIRINGS)]
+        [name, *(_number(shares.soups[pairing], 1) if shares.soups else NONE for pairing in PAIRINGS)]
         for name, shares in named
     ]
     return Table([Column("soups from there on", left=True, wrap=False), *heads], rows)
@@ -104,8 +104,13 @@ def _reasons(name: str, shares: Shares) -> list[Cell]:
     ]
 
 
-def _percent(share: Estimate | None) -> str:
+def _percent(share: Estimate | None) -> Cell:
     if share is None:
         return NONE
     scaled = (None if end is None else 100 * end for end in (share.low, share.high))
-    return Estimate(100 * share.value, *scaled).text(0)
+    return _number(Estimate(100 * share.value, *scaled), 0)
+
+
+def _number(estimate: Estimate, digits: int) -> Number:
+    value, _, interval = estimate.text(digits).partition(" ")
+    return Number(value, interval)

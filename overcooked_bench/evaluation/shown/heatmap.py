@@ -1,17 +1,20 @@
 """A cross-play matrix as a picture."""
 
+from functools import partial
 from itertools import groupby
 from pathlib import Path
-from typing import IO, Any, Final
+from typing import IO, TYPE_CHECKING, Final
 
 import numpy as np
 
 from overcooked_bench.evaluation.pools.crossplay import CrossPlay
-from overcooked_bench.evaluation.shown.plots import COLOURS
+from overcooked_bench.evaluation.shown.figures import COLOURS, Plot
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _MOST_NUMBERED: Final = 20
 """Agents at most for numbers in the cells to be readable."""
-_INK: Final = "#333333"
 _FRAME: Final = COLOURS[1]
 
 
@@ -23,37 +26,34 @@ def draw_heat_map(found: CrossPlay, file: "str | Path | IO[bytes]", form: str = 
         file: Where to.
         form: "png" or "svg".
     """
-    import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    count = len(found.means)
+    inches = max(4.4, (0.42 if count <= _MOST_NUMBERED else 0.24) * count + 2.2)
+    Plot(partial(_paint, found=found), (inches + 0.8, inches), _title(found)).save(file, form)
+
+
+def _paint(figure: "Figure", found: CrossPlay) -> None:
     from matplotlib.patches import Rectangle
 
     means = np.array(found.means)
     size, names = len(means), [agent.name for agent in found.agents]
-    inches = max(4.4, (0.42 if size <= _MOST_NUMBERED else 0.24) * size + 2.2)
-    with matplotlib.rc_context({"svg.hashsalt": "overcooked_bench", "font.size": 9, "font.family": "DejaVu Sans"}):
-        figure = Figure(figsize=(inches + 0.8, inches), dpi=120, layout="constrained")
-        FigureCanvasAgg(figure)
-        axes = figure.subplots()
-        top = float(max(20.0, means.max()))
-        image = axes.imshow(means, cmap="cividis", vmin=0, vmax=top)
-        axes.set_xticks(range(size), names, rotation=90)
-        axes.set_yticks(range(size), names)
-        axes.set_xlabel("seat 1", color=_INK)
-        axes.set_ylabel("seat 0", color=_INK)
-        axes.tick_params(length=0)
-        axes.spines[:].set_visible(False)
-        if size <= _MOST_NUMBERED:
-            for (y, x), mean in np.ndenumerate(means):
-                colour = "#000000" if mean > 0.55 * top else "#ffffff"
-                axes.text(x, y, f"{mean:.0f}", ha="center", va="center", color=colour, fontsize=7)
-        for first, count in _families(found):
-            corner = first - 0.5, first - 0.5
-            axes.add_patch(Rectangle(corner, count, count, fill=False, edgecolor=_FRAME, linewidth=1.6, clip_on=False))
-        figure.colorbar(image, ax=axes, shrink=0.8, label="points per episode")
-        figure.suptitle(_title(found), fontsize=9, x=0.02, ha="left", color=_INK)
-        metadata: dict[str, Any] = {"Software": None} if form == "png" else {"Date": None, "Creator": None}
-        figure.savefig(file, format=form, metadata=metadata)
+    axes = figure.subplots()
+    top = float(max(20.0, means.max()))
+    image = axes.imshow(means, cmap="cividis", vmin=0, vmax=top)
+    axes.set_xticks(range(size), names, rotation=90)
+    axes.set_yticks(range(size), names)
+    axes.set_xlabel("seat 1")
+    axes.set_ylabel("seat 0")
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
+    if size <= _MOST_NUMBERED:
+        for (y, x), mean in np.ndenumerate(means):
+            colour = "#000000" if mean > 0.55 * top else "#ffffff"
+            axes.text(x, y, f"{mean:.0f}", ha="center", va="center", color=colour, fontsize=7)
+    for first, count in _families(found):
+        corner = first - 0.5, first - 0.5
+        axes.add_patch(Rectangle(corner, count, count, fill=False, edgecolor=_FRAME, linewidth=1.6, clip_on=False))
+    figure.colorbar(image, ax=axes, shrink=0.8, label="points per episode")
+    figure.suptitle(_title(found), fontsize=9, x=0.02, ha="left")
 
 
 def _families(found: CrossPlay) -> list[tuple[int, int]]:

@@ -112,10 +112,15 @@ def figure(estimate: Estimate, facts: MetricFacts, interval: bool | None = None)
     """
     share = facts.unit == "share"
     scaled = [None if end is None else end * (100 if share else 1) for end in estimate]
-    value, low, high = (NONE if end is None else f"{end:.{facts.digits}f}" for end in scaled)
+    value, low, high = (NONE if end is None else _plain(end, facts.digits) for end in scaled)
     wanted = facts.interval if interval is None else interval
     ends = f"[{low}, {high}]" if wanted and estimate.interval else ""
     return Number(value + " %" * share, ends)
+
+
+def _plain(number: float, digits: int) -> str:
+    """Writes a number without the sign of a zero."""
+    return f"{round(number, digits) + 0.0:.{digits}f}"
 
 
 def name_of(label: PartnerLabel) -> str:

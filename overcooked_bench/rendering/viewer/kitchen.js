@@ -366,7 +366,7 @@ const Kitchen = (() => {
       const columns = this.game.grid[0].length;
       const tile = Math.min(64, Math.floor(this.element.clientWidth / columns)); // 0 while it is folded away
       if (tile) draw(this.canvas, this.game.grid, this.game.frames[this.index], tile);
-      this.bar.style.maxWidth = `${Math.max(tile * columns, 360)}px`;
+      this.bar.style.maxWidth = `${Math.max(tile * columns, 460)}px`;
     }
 
     #key(event) {

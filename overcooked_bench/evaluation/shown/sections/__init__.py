@@ -1,0 +1,1 @@
+"""The sections of a score's report, one per file."""

@@ -1,0 +1,67 @@
+"""The headlines: numbers with intervals beside the reference, layout by layout as a plot, and as a table."""
+
+from collections.abc import Iterator
+from html import escape
+from typing import Final
+
+from overcooked_bench.evaluation.metric import MetricFacts
+from overcooked_bench.evaluation.scores import Scores
+from overcooked_bench.evaluation.shown.card import card_table
+from overcooked_bench.evaluation.shown.comparison import title_of
+from overcooked_bench.evaluation.shown.notes import short_notes
+from overcooked_bench.evaluation.shown.sections.levels_plot import levels_plot
+from overcooked_bench.evaluation.shown.sections.section import Material, Section, legend
+from overcooked_bench.evaluation.shown.tables import figure, layouts_table
+from overcooked_bench.rendering.page import note
+
+_WIDEST: Final = 140
+"""Characters of a table; columns of less interest are left out of one that is wider."""
+
+STYLE: Final = """
+div.cards { display: flex; flex-wrap: wrap; gap: 1rem; margin: 1rem 0 1.2rem; }
+div.cards div { border: 1px solid var(--line); border-radius: 8px; padding: .7rem 1.1rem; background: var(--soft); }
+div.cards b { font-size: 2.1rem; line-height: 1.15; font-weight: 650; } div.cards p { margin: 0; }
+div.cards small { color: var(--dim); font-size: .95rem; }
+@media (max-width: 40rem) { div.cards { gap: .6rem; } div.cards div { padding: .5rem .7rem; }
+  div.cards b { font-size: 1.5rem; } div.cards small { font-size: .8rem; } }
+"""
+
+
+def headline_section(material: Material) -> Section:
+    """Shows the headlines; of a score without an overall value those of each layout alone."""
+    scores, facts = material.scores, material.headline
+    table = (
+        card_table(scores, material.around, _WIDEST)
+        if scores.settings.report.headlines
+        else layouts_table(scores, "report")
+    )
+    parts, plots = [*_cards(material)], {}
+    if facts is not None and scores.layouts:
+        plots["headline"] = levels_plot(material, facts)
+        parts += [legend(material.entrants), f'<div class="narrow">{plots["headline"].element()}</div>']
+    *said, _ = short_notes(scores, material.around)  # the last one is about the terminal
+    parts += [table.html(), *map(note, said)]
+    return Section("Score", parts, {"score": table}, plots)
+
+
+def _cards(material: Material) -> Iterator[str]:
+    """Yields one card per headline of the mean over layouts."""
+    scores, shown = material.scores, []
+    names = scores.settings.report.headlines or (scores.headline,)
+    for facts in (facts for name in names for facts in scores.metrics if facts.name == name):
+        row = scores.find(facts.name)
+        if row is None:
+            continue
+        number = figure(row.estimate, facts, True)
+        said = _beside(material.reference, facts) if material.reference else ""
+        shown.append(
+            f"<div><p>{escape(title_of(facts))}</p><p><b>{escape(number.value)}</b> "
+            f"<small>{escape(number.interval)}</small></p><p><small>{escape(said)}</small></p></div>"
+        )
+    if shown:
+        yield f'<div class="cards">{"".join(shown)}</div>'
+
+
+def _beside(reference: Scores, facts: MetricFacts) -> str:
+    row = reference.find(facts.name)
+    return f"{reference.agent.name} {figure(row.estimate, facts, False)}" if row else ""
