@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 from overcooked_bench.evaluation.games.again import play_again
 from overcooked_bench.evaluation.games.asking import Answer, ask_block
-from overcooked_bench.evaluation.games.block import Block, Outcome, play_block
+from overcooked_bench.evaluation.games.block import Block, Outcome, play_block, rows_of
 from overcooked_bench.evaluation.games.engines import Engine
 from overcooked_bench.evaluation.games.episode import BlockKey
 from overcooked_bench.evaluation.games.store import Store
@@ -74,7 +74,8 @@ def play_blocks(
         again: Whether to play the first missing block again and compare, see `again.play_again`.
 
     Raises:
-        StoreError: A block cannot be written; those before it are in the store.
+        StoreError: There is no room for what is to be played, or a block cannot be written; those before it are in the
+            store.
     """
     before = store.blocks()
     there = {block.keys for block in blocks if before.issuperset(block.keys)}
@@ -94,6 +95,8 @@ def play_blocks(
     wanted = [block for block in blocks if block.layout in adapted]
     to_play = [replace(block, adapted=adapted[block.layout]) for block in wanted if block.keys not in there]
     done, episodes = len(wanted) - len(to_play), 0
+    if to_play:
+        store.check_room(sum(map(rows_of, to_play)), to_play[0].protocol.play.horizon)
     overdue: set[tuple[str, int]] = set()
     differs = None
     for found in engine.map(play_again, to_play[:1] if again else (), _lost, act_timeout):

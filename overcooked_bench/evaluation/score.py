@@ -160,7 +160,7 @@ def score(
                 training_seed=0,
                 episodes=(0,),
             )
-            blocks = cut(first, partners, chosen, entrant.training_seeds)
+            blocks = cut(first, chosen, entrant.training_seeds)
             items = None
             played = play_blocks(store, blocks, opened, act_timeout, on_progress, again=untrusted)
             if scenarios:

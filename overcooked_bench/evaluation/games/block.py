@@ -147,6 +147,12 @@ def met(block: Block, pool: Pool) -> tuple[Partner | Itself, ...]:
     return (*partners, Itself(block.agent_sha256)) if play.self_play else partners
 
 
+def rows_of(block: Block) -> int:
+    """Returns how many episodes a block has."""
+    partners = met(block, pool_as_hashed(block.pool, block.pool_sha256))
+    return len(block.episodes) * len(partners) * len(block.protocol.play.seats)
+
+
 def _outcome(block: Block) -> Outcome:
     partners = met(block, pool_as_hashed(block.pool, block.pool_sha256))
     rows = _deal(block, partners)

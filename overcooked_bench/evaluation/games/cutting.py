@@ -7,25 +7,23 @@ from typing import Final
 
 import numpy as np
 
-from overcooked_bench.agents.pools.pool import Pool
-from overcooked_bench.evaluation.games.block import Block, met
+from overcooked_bench.evaluation.games.block import Block, rows_of
 
 LEAST_ROWS: Final = 256
 """Rows of a batch where there are so many; with fewer, most of the time goes into calls instead of games."""
 
 
-def cut(first: Block, pool: Pool, layouts: Sequence[str], training_seeds: int) -> list[Block]:
+def cut(first: Block, layouts: Sequence[str], training_seeds: int) -> list[Block]:
     """Cuts a score into blocks, in an order in which all layouts and training seeds get ahead together.
 
     Args:
         first: A block of the score, whatever its layout, training seed and start states.
-        pool: The partners.
         layouts: What is played.
         training_seeds: Number of training runs of the agent.
     """
     play = first.protocol.play
-    rows = {layout: len(met(replace(first, layout=layout), pool)) * len(play.seats) for layout in layouts}
-    groups = [group_starts(play.episodes, rows[layout]) for layout in layouts]
+    rows = [rows_of(replace(first, layout=layout, episodes=(0,))) for layout in layouts]
+    groups = [group_starts(play.episodes, number) for number in rows]
     return [
         replace(first, layout=layout, training_seed=run, episodes=group)
         for at_a_time in zip_longest(*groups)

@@ -21,7 +21,7 @@ Result = TypeVar("Result")
 ENGINES: Final = ("local", "dask", "ray")
 MOST_DEFAULT_WORKERS: Final = 4  # each needs about 400 MB, most of it torch and numba
 ATTEMPTS: Final = 3  # of a task on a cluster that loses the workers it is given to
-DIED: Final = f"the cluster lost the worker that had it {ATTEMPTS} times"
+DIED: Final = "the cluster lost each worker that had it"
 _FIRST_WORKER: Final = 60.0  # seconds to wait for it
 _ADDRESS: Final = "DASK_SCHEDULER_ADDRESS and RAY_ADDRESS say where a cluster is; without them a local one is started"
 

@@ -11,6 +11,7 @@ import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from shutil import disk_usage
 from typing import Any, Final
 from urllib.parse import quote
 
@@ -31,6 +32,10 @@ _ORDER: Final = ", ".join(KEY)
 _BLOCK: Final = " AND ".join(f"{column} = ?" for column in KEY[:3])
 _SELECT: Final = f"SELECT {', '.join(COLUMNS)} FROM episodes"
 _DAMAGED: Final = "it is damaged or no store of episodes; delete it, or write to another folder with --output"
+_EPISODE: Final = 2_000
+"""Bytes of an episode besides its joint actions, which take less than 2 per step."""
+_ROOM: Final = 20_000_000
+"""Bytes of everything else that a score writes."""
 _UNWRITABLE: Final = "finished blocks are kept; mend that and run the same command again, or choose another --output"
 
 
@@ -96,6 +101,26 @@ class Store:
         """Lists the layouts that were played in their mirror image."""
         with self._guarded(_DAMAGED):
             return {layout for (layout,) in self._connection.execute("SELECT layout FROM blocks WHERE adapted")}
+
+    def check_room(self, episodes: int, horizon: int) -> None:
+        """Makes sure, before they are played, that some episodes can be written.
+
+        Args:
+            episodes: How many.
+            horizon: Steps of each.
+
+        Raises:
+            StoreError: The file or its folder cannot be written, or the disk has too little room.
+        """
+        with self._guarded(_UNWRITABLE):
+            with self._transaction():
+                self._connection.execute("UPDATE facts SET value = value")
+            free, needed = disk_usage(self.file.parent).free, _ROOM + episodes * (_EPISODE + 2 * horizon)
+        if free < needed:
+            raise StoreError(
+                f"{self.file}: the disk has {free / 1e6:.0f} MB left, and {episodes:,} episodes may need "
+                f"{needed / 1e6:.0f} MB; nothing was played. Make room, or choose another --output"
+            )
 
     def add_block(self, block: BlockKey, episodes: Iterable[Episode], adapted: bool = False) -> None:
         """Writes a finished block; see `add_blocks`."""

@@ -3,10 +3,9 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.evaluation.games.cutting import LEAST_ROWS, cut, group_starts
 from overcooked_bench.evaluation.protocol import read_protocol
-from tests.evaluation.made import SCRIPTED_POOL, block, protocol_text
+from tests.evaluation.made import block, protocol_text
 
 
 @given(st.integers(1, 60), st.integers(1, 600))
@@ -20,7 +19,7 @@ def test_groups_are_all_start_states_once_in_batches_of_hundreds_of_rows(number,
 
 def test_every_layout_and_training_seed_gets_ahead_together():
     rules = read_protocol(protocol_text(layouts=["cramped_room", "coordination_ring"], episodes=130), "p.yaml")
-    blocks = cut(block(rules), Pool.load(SCRIPTED_POOL), rules.play.layouts, training_seeds=2)
+    blocks = cut(block(rules), rules.play.layouts, training_seeds=2)
     order = [(one.episodes[0], one.training_seed, one.layout) for one in blocks]
     assert order == [(first, run, layout) for first in (0, 65) for run in (0, 1) for layout in rules.play.layouts]
     keys = [key for one in blocks for key in one.keys]

@@ -7,12 +7,14 @@ import sqlite3
 import zlib
 from contextlib import closing
 from pathlib import Path
+from types import SimpleNamespace
 
 import msgspec
 import numpy as np
 import pytest
 
 from overcooked_bench.cli import main
+from overcooked_bench.evaluation.games import store as disk
 from overcooked_bench.evaluation.games.block import play_block
 from overcooked_bench.evaluation.games.episode import COLUMNS, Episode, checksum, pack_actions, pack_state
 from overcooked_bench.evaluation.games.recording import find_recording
@@ -221,6 +223,24 @@ def test_a_full_disk_is_one_message_and_finished_blocks_stay(tmp_path):
     with Store(tmp_path / "episodes.sqlite", FACTS) as store:
         store.add_block(("cramped_room", 0, 1), large)
         assert len(list(store.episodes())) == 501
+
+
+def test_a_lack_of_room_is_found_before_anything_is_played(tmp_path, monkeypatch):
+    with Store(tmp_path / "episodes.sqlite", FACTS) as store:
+        store.check_room(10**6, 400)
+        monkeypatch.setattr(disk, "disk_usage", lambda _: SimpleNamespace(free=10**8))
+        store.check_room(25_000, 400)
+        with pytest.raises(StoreError, match="has 100 MB left, and 30,000 episodes may need 104 MB; nothing was pl"):
+            store.check_room(30_000, 400)
+
+
+def test_a_store_that_cannot_be_written_is_found_before_anything_is_played(tmp_path):
+    with Store(tmp_path / "episodes.sqlite", FACTS) as store:
+        store._connection.execute("PRAGMA query_only = ON")  # as on a disk that is read-only
+        with pytest.raises(StoreError, match=r"episodes\.sqlite: .*readonly database; finished blocks are kept"):
+            store.check_room(1, 400)
+    with pytest.raises(StoreError, match=r"/proc/nowhere/episodes\.sqlite"):
+        Store("/proc/nowhere/episodes.sqlite", FACTS)
 
 
 def test_a_folder_removed_midway_is_one_message(tmp_path):

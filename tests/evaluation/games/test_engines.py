@@ -111,10 +111,11 @@ def test_what_a_task_started_ends_with_its_worker():
 
 
 SCRIPT = """
+import signal
 import sys
-from overcooked_bench.evaluation.games import engines
 from overcooked_bench.evaluation.games.engines import open_engine, refuse
 from tests.evaluation.games.test_engines import act
+signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background it is ignored
 print("the script runs", flush=True)
 with open_engine("local", 2) as engine:
     tasks = [("work", 0), ("work", 1), (sys.argv[1], 1000), ("sleep", 1000)]
