@@ -17,6 +17,8 @@ from overcooked_bench.agents.watch import LOADING, calling
 from overcooked_bench.errors import AgentFault
 from overcooked_bench.kitchen.kitchens import Kitchens
 
+_FEW: Final = 4
+"""An agent that sits in no more than one of so many kitchens is shown its own observations only."""
 STATE: Final = "state"
 """The observation that is a list of `KitchenState`; all others are arrays that `Kitchens.observe` makes."""
 
@@ -67,9 +69,12 @@ class Views:
         name = agent.observation
         if name == STATE:
             return [self._kitchens.state(row) for row in agent.rows.tolist()]
+        fresh = name in self._made and name not in self._stale
+        if not fresh and self._seats is None and _FEW * len(agent.rows) <= self._kitchens.num_kitchens:
+            return self._kitchens.observe_some(name, agent.rows, agent.seats)
         if name not in self._made:
             self._made[name] = self._kitchens.observe(name, None, self._seats)
-        elif name in self._stale:
+        elif not fresh:
             self._kitchens.observe(name, self._made[name], self._seats)
             self._stale.discard(name)
         whole = self._made[name]

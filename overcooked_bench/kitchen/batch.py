@@ -33,6 +33,13 @@ class Batch:
         self.image: NDArray[np.uint8] = np.zeros((num_kitchens, 26 * num_cells), np.uint8)
         self.stream: NDArray[np.uint64] = np.zeros((num_kitchens, 2), np.uint64)
 
+    def chosen(self, kitchens: NDArray[np.int64]) -> "Batch":
+        """Returns copies of some kitchens."""
+        some = Batch(0, self._num_cells, 0)
+        some.rows, some.clock = self.rows[kitchens], self.clock[kitchens]
+        some.image, some.stream = self.image[kitchens], self.stream[kitchens]
+        return some
+
     @property
     def position(self) -> NDArray[np.uint16]:
         """Cell that each chef stands on, (N, 2)."""

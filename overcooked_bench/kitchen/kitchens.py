@@ -257,6 +257,27 @@ class Kitchens:
         write(prepared, self.batch, self._past.newest_first() if history and self._past else (), viewers, views)
         return out
 
+    def observe_some(self, name: str, kitchens: NDArray[np.int64], seats: NDArray[np.int64]) -> NDArray[Any]:
+        """Returns the observations of some chefs, which takes less time than `observe` if they are few.
+
+        Args:
+            name: As for `observe`.
+            kitchens: (B,) int64, their kitchens; one may be listed twice.
+            seats: (B,) int64, their seats.
+
+        Returns:
+            (B, *observation_shape(name)), in memory of its own.
+
+        Raises:
+            ValueError: As `observe`.
+        """
+        _, (_, *shape), dtype, write, prepared, history = self._frames.get(name) or self._frame(name)
+        past = self._past.newest_first() if history and self._past else ()
+        out = np.empty((len(kitchens), *shape), dtype)
+        before = [(rows[kitchens], images[kitchens]) for rows, images in past]
+        write(prepared, self.batch.chosen(kitchens), before, seats.reshape(-1, 1), out.reshape(len(kitchens), 1, -1))
+        return out
+
     def _frame(self, name: str) -> "_Frame":
         n, shape, observation = self.num_kitchens, self.observation_shape(name), find_observation(name)
         prepared = observation.prepare(self.layout, self.tables)

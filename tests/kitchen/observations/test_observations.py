@@ -113,6 +113,8 @@ def test_one_chefs_view_is_that_half_of_both(data, seed, seats):
         buffer = np.full_like(both[:, 0], 77)
         assert kitchens.observe(name, out=buffer, seats=chosen) is buffer
         np.testing.assert_array_equal(buffer, both[np.arange(4), chosen])
+        some = np.array([2, 0, 2, 3])
+        np.testing.assert_array_equal(kitchens.observe_some(name, some, chosen), both[some, chosen])
 
 
 def test_a_stack_right_after_reset_repeats_the_first_state():
