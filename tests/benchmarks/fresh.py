@@ -49,6 +49,33 @@ print(json.dumps({"python": before, "numba": libraries - before, "kitchens": aft
 observations add, and all of it."""
 
 
+SCORE = """
+import json
+import resource
+import sys
+
+import msgspec
+
+from overcooked_bench.evaluation.protocol import load_protocol
+from overcooked_bench.evaluation.score import score
+
+rules = load_protocol("v1")
+play = msgspec.structs.replace(rules.play, horizon=int(sys.argv[1]))
+rules = msgspec.structs.replace(rules, play=play)
+done = score("dev-v0/{layout}/sp-0", rules, output=sys.argv[2], workers=2, scenarios=False)
+own, workers = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+peak = next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM"))
+print(json.dumps({
+    "episodes": done.episodes,
+    "seconds": done.scores.run["seconds"],
+    "busy": own.ru_utime + own.ru_stime + workers.ru_utime + workers.ru_stime,
+    "mebibytes": (int(peak) + 2 * workers.ru_maxrss) / 1024,
+}))
+"""
+"""Scores with two workers, `sys.argv[1]` steps an episode, into the folder `sys.argv[2]`. Prints how many episodes, the
+seconds on the clock and of processors, and the peak memory in MiB, as if both workers had that of the greater one."""
+
+
 def run(*arguments: str, cache: Path | None = None) -> str:
     """Runs Python with these arguments, its compiled kernels kept in `cache`; gives what it printed."""
     environment = dict(os.environ) | ({"NUMBA_CACHE_DIR": str(cache)} if cache else {})

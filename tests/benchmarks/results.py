@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 RESULTS = Path(__file__).with_name("RESULTS.md")
-SECTIONS = ("speed", "peers", "return")
+SECTIONS = ("speed", "scores", "peers", "return")
 LIBRARIES = ("numpy", "numba", "gymnasium", "stable-baselines3", "torch")
 
 KITCHEN_TARGETS = {  # grid: ratio to a plain copy at 256 and 4096 kitchens, the same hoped for, joint steps per second
@@ -39,6 +39,7 @@ The commands below rewrite the tables between the markers:
 ```
 python -m pytest tests/benchmarks -m benchmark -n0 --benchmark-json=speed.json
 python -m tests.benchmarks.results speed.json
+python -m tests.benchmarks.score_tables speed.json
 python -m tests.benchmarks.peers --overcooked-ai-python PATH --jaxmarl-python PATH
 python -m tests.benchmarks.time_to_return --jaxmarl-python PATH --config checked --seeds 3
 ```
@@ -243,7 +244,7 @@ def speed_section(data: Mapping[str, Any]) -> str:
         kind: [] for kind in ("kitchens", "environment", "partners", "training", "start-up", "memory")
     }
     for bench in data["benchmarks"]:
-        kinds[bench["extra_info"]["kind"]].append(bench)
+        kinds.get(bench["extra_info"]["kind"], []).append(bench)  # scores have a section of their own
     if not all(kinds.values()):
         raise ValueError(
             f"no {', '.join(kind for kind, found in kinds.items() if not found)} in this file; run them all"

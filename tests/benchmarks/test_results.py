@@ -12,6 +12,7 @@ from tests.benchmarks.results import (
     training_table,
     write_section,
 )
+from tests.benchmarks.score_tables import cost_table, parts_table
 from tests.benchmarks.time_to_return import Run, Trainer, times_table
 
 
@@ -115,3 +116,12 @@ def test_the_machine_is_told_without_its_name():
     info |= {"python_version": "3.11.7", "libraries": {"numpy": "2.4"}}
     told = circumstances(info, {"id": "0123456789abcdef", "dirty": False}, "2026-11-22T01:02:03")
     assert told == "A CPU, 2 cores, Linux; Python 3.11.7, numpy 2.4. 2026-11-22, commit 0123456789ab."
+
+
+def test_a_score_is_judged_on_two_cores():
+    extra = {"kind": "score", "agent": "mlp", "what": "an agent", "joint_steps": 1_360_000, "ratio_to_networks": 2.25}
+    extra |= {"seconds": 34.0, "parts": {"kitchens": 0.2, "partners": 0.45, "agent": 0.125, "scripts": 0.125}}
+    one, five = cost_table([{"extra_info": extra}]).splitlines()[-2:]
+    assert one == "| an agent | 34.0 s | 40.0 k | 17.0 s, at most 20 s: met | 2.2, at most 4: met |"
+    assert five == "| 5 training seeds of it | 170.0 s | 40.0 k | 85.0 s, at most 90 s: met | - |"
+    assert parts_table([{"extra_info": extra}]).splitlines()[-1] == "| an agent | 20% | 45% | 12% | 12% | 10% |"
