@@ -71,8 +71,8 @@ def scores_section(data: Mapping[str, Any]) -> str:
 {circumstances(data["machine_info"], data["commit_info"], data["datetime"])}
 
 A score under the protocol v1, with every partner and floor of its pool and with itself: {first["episodes"]:,} episodes
-of 400 steps. In seconds of one core, which a busy machine lengthens by less than seconds on the clock. "The networks" are
-the same forward passes with nothing around them, right after each round.
+of 400 steps. In seconds of one core, which a busy machine lengthens by less than seconds on the clock. "The networks"
+are the same forward passes with nothing around them, right after each round.
 
 {cost_table([*scores, *found["cross-play"]])}
 {parts_table(scores)}
