@@ -166,7 +166,7 @@ def test_cross_play(benchmark: Any, tmp_path: Path) -> None:
     found = benchmark.pedantic(lambda: cross_play(pool, "cramped_room", episodes=10), rounds=1)
     benchmark.extra_info |= {
         "kind": "cross-play",
-        "what": "30 x 30 agents, 10 episodes a seat",
+        "what": "30 x 30 agents, 10 episodes per seat",
         "joint_steps": 30 * 30 * 10 * 400,
         "seconds": benchmark.stats.stats.mean,
     }
