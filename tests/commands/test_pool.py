@@ -1,4 +1,5 @@
 import json
+import re
 
 import pytest
 
@@ -28,6 +29,17 @@ def test_show_prints_a_row_an_agent(home, capsys):
     told = said(capsys)
     for words in ("mine (", "3 trained agents", LAYOUT, "self-play fast", "200 [190, 210]", "100 100", "0.50", "15.0"):
         assert words in told, told
+
+
+def test_the_shipped_pool_fits_100_columns_with_whole_numbers(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "100")
+    assert main(["pool", "show", "v1", "--layouts", LAYOUT]) == 0
+    lines = said(capsys).splitlines()
+    assert max(map(len, lines)) <= 100
+    (line,) = (line for line in lines if line.startswith("biased-random-0"))
+    assert re.fullmatch(
+        r"\S+ +biased-self-play +100 +235 \[233, 237\] +118 117 +0\.20 +37\.6 +11\.7 +157\.9 +156\.9", line
+    )
 
 
 def test_show_prints_the_entries_as_json(home, capsys):

@@ -34,8 +34,8 @@ def pool_tables(pool: Pool, layouts: Sequence[str]) -> "Group":
         parts += [Text(""), Text(layout, style="bold"), _agents(pool.partners(layout)).terminal()]
     note = (
         "With itself: points per episode [95 % over episodes]; seats: points from the soups that the chef on that seat "
-        "delivers. Done: share of the run's steps. Nats: entropy of its actions (uniform: 1.79). How often per "
-        "episode, both chefs: put into pots, served, dropped on counters, picked from counters."
+        "delivers. Done: percent of the run's steps. Nats: entropy of its actions (uniform: 1.79). How often per "
+        "episode, both chefs: put into pots, soups served, dropped on counters, picked from counters."
     )
     return Group(*parts, Text(""), Text(note, style="dim"))
 
@@ -63,10 +63,9 @@ def crossplay_tables(found: Sequence[CrossPlay]) -> "Group":
 
 def _agents(agents: Sequence[Entry]) -> Table:
     profiled = any(agent.training and agent.training.profile for agent in agents)
-    columns = ("seats", "nats", "pots", "served", "drops", "picks") if profiled else ()
-    heads: list[str | Column] = ["agent", Column("method", wrap=False), "done", Column("with itself", wrap=False)]
-    heads += [Column(name, wrap=name != "seats") for name in columns]
-    return Table(heads, [[agent.name, *_cells(agent)] for agent in agents])
+    columns = ("seats", "nats", "pots", "soups", "drops", "picks") if profiled else ()
+    numbers = [Column(name, wrap=False) for name in ("done", "with itself", *columns)]
+    return Table(["agent", Column("method", left=True), *numbers], [[agent.name, *_cells(agent)] for agent in agents])
 
 
 def _cells(agent: Entry) -> list[str]:
@@ -77,7 +76,7 @@ def _cells(agent: Entry) -> list[str]:
     own = training.self_play
     returns = Estimate(own.mean, own.low, own.high).text(0)
     cells = [] if training.profile is None else _profile(training.profile)
-    return [method, f"{100 * training.done:.0f} %", returns, *cells]
+    return [method, f"{100 * training.done:.0f}", returns, *cells]
 
 
 def _profile(profile: Profile) -> list[str]:
