@@ -20,13 +20,14 @@ from overcooked_bench.commands.replay import add_replay
 from overcooked_bench.commands.report import add_report
 from overcooked_bench.commands.scenarios import add_scenarios
 from overcooked_bench.commands.score import add_score
+from overcooked_bench.commands.submission import add_submission
 from overcooked_bench.commands.train import add_train
 from overcooked_bench.errors import OvercookedBenchError
 from overcooked_bench.processes import sigterm_as_ctrl_c
 
 COMMANDS: Final[list[Callable[[Any], None]]] = [
     *(add_score, add_report, add_compare, add_explain, add_replay, add_crossplay, add_scenarios),
-    *(add_train, add_pool, add_games, add_list),
+    *(add_train, add_pool, add_games, add_submission, add_list),
 ]
 """What declares each command, in the order of `--help`."""
 

@@ -68,8 +68,11 @@ KNOWS = {
     "envs": {"kitchen", "agents", "rendering"},
     "scenarios": {"kitchen", "agents", "envs", "rendering"},
     "evaluation": {"kitchen", "agents", "rendering", "scenarios"},
+    "leaderboard": {"kitchen", "agents", "rendering", "scenarios", "evaluation"},
     "human": {"kitchen", "agents", "rendering"},
-    "commands": {"kitchen", "rendering", "agents", "envs", "evaluation", "human", "scenarios", "baselines"},
+    "commands": {
+        *("kitchen", "rendering", "agents", "envs", "scenarios", "evaluation", "leaderboard", "human", "baselines")
+    },
 }
 
 

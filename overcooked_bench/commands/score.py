@@ -34,7 +34,8 @@ def add_score(commands: Any) -> None:
     parser.add_argument(
         "agent",
         metavar="AGENT",
-        help="a name that `overcooked-bench list` shows, a Python file with make_agent, or a folder with agent.py",
+        help="a name that `overcooked-bench list` shows, a Python file with make_agent, a folder with agent.py, or "
+        "what `submission pack` wrote",
     )
     parser.add_argument(
         "--protocol",
@@ -83,7 +84,7 @@ def _score(options: argparse.Namespace) -> int:
     rules = load_protocol(options.protocol or NEWEST)
     with ProgressBar("compiling and loading") as report:
         scored = score(
-            options.agent,
+            _unpacked(options.agent),
             protocol=rules if options.start is None else with_start(rules, options.start),
             pool=options.pool,
             layouts=options.layouts,
@@ -109,6 +110,15 @@ def _score(options: argparse.Namespace) -> int:
             print(f"overcooked-bench: {line}", file=sys.stderr)
         return 1
     return 0
+
+
+def _unpacked(agent: str) -> str:
+    """Returns the agent, or the folder next to a packed submission with its files."""
+    if not agent.endswith(".submission.zip"):
+        return agent
+    from overcooked_bench.leaderboard.submission.archive import unpacked
+
+    return str(unpacked(agent))
 
 
 def _progress(at: "Progress") -> tuple[Any, ...]:

@@ -46,15 +46,19 @@ def hash_submission(path: str | Path) -> str:
     return whole.hexdigest()
 
 
-def content(path: str | Path) -> dict[str, Path]:
+def content(path: str | Path, follow_links: bool = True) -> dict[str, Path]:
     """Lists the files of a submission by their names in its folder, such as `weights/w.npz`.
 
     Left out of a folder are compiled code, folders of tools such as `.git`, `.venv` and `.pytest_cache`, folders in
     `scores/`, and whatever folder a score was written to; a submission cannot open those.
+
+    Args:
+        path: A file or a folder.
+        follow_links: Whether a folder's links stand for what they lead to; otherwise links are listed themselves.
     """
     path = Path(os.path.abspath(path))
     if path.is_dir():
-        return {_name(file, path): file for file in _walk(path)}
+        return {_name(file, path): file for file in _walk(path, follow_links=follow_links)}
     return {_name(file, path.parent): file for file in sorted({path, *_used(path)})}
 
 
@@ -78,16 +82,19 @@ def is_compiled(path: str) -> bool:
     return path.endswith(CACHES) and os.path.basename(os.path.dirname(path)) == "__pycache__"
 
 
-def _walk(folder: Path, root: Path | None = None) -> Iterator[Path]:
-    """Yields the files of a folder that count, links followed once."""
+def _walk(folder: Path, root: Path | None = None, follow_links: bool = True) -> Iterator[Path]:
+    """Yields the files of a folder that count, links followed once or yielded themselves."""
     root, seen, homes = root or folder, set[str](), ours(root or folder)
-    for home, folders, files in os.walk(folder, followlinks=True):
+    for home, folders, files in os.walk(folder, followlinks=follow_links):
         place, kept = Path(home), []
         inside = place.relative_to(root).parts
         for name in sorted(folders):
             real = os.path.realpath(place / name)
             score = (*inside[:1], name)[0] == _SCORES and len(inside) == 1
-            if name in _TOOLS or score or real in seen or (real + os.sep).startswith(homes):
+            if name in _TOOLS or score or (follow_links and real in seen) or (real + os.sep).startswith(homes):
+                continue
+            if not follow_links and os.path.islink(place / name):
+                yield place / name
                 continue
             if not os.path.isfile(place / name / _EPISODES):
                 seen.add(real)
@@ -95,7 +102,8 @@ def _walk(folder: Path, root: Path | None = None) -> Iterator[Path]:
         folders[:] = kept
         for name in sorted(files):
             file = place / name
-            if name not in _TOOLS and not is_compiled(str(file)) and file.is_file():
+            counts = file.is_file() or (file.is_symlink() and not follow_links)
+            if name not in _TOOLS and not is_compiled(str(file)) and counts:
                 yield file
 
 

@@ -1,0 +1,1 @@
+"""The leaderboard: what others submit, checked before it is played."""
