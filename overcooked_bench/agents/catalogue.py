@@ -15,6 +15,7 @@ from overcooked_bench.agents.submissions.content import ENTRY
 from overcooked_bench.shelf import guess
 
 if TYPE_CHECKING:
+    from overcooked_bench.agents.isolation.settings import Isolation
     from overcooked_bench.agents.policies.neural import Mode
 
 
@@ -33,7 +34,7 @@ def catalogue() -> list[str]:
     return [*SCRIPTED, *scripts, *shipped_entries(), *frozen]
 
 
-def find(reference: Reference, *, mode: "Mode" = "sample") -> Entrant:
+def find(reference: Reference, *, mode: "Mode" = "sample", isolation: "Isolation | None" = None) -> Entrant:
     """Finds an agent and says what it is, without playing it. A submission's code is executed once.
 
     Args:
@@ -43,14 +44,21 @@ def find(reference: Reference, *, mode: "Mode" = "sample") -> Entrant:
             each layout; a policy's `.safetensors` or `.json` file; a submission: a Python file, or a folder with
             `agent.py`; `file.py:function` if another function than `make_agent` makes the agents.
         mode: How frozen policies act: "sample" draws from their distribution, "greedy" takes the likeliest action.
+        isolation: Runs a submission's code in processes of its own that see observations and return actions; None runs
+            it here. Other agents run no code.
 
     Raises:
         AgentError: No such name or file (names the nearest), or a submission's code is at fault.
         PoolError: The pool is damaged, or has no such agent.
         PolicyError: The policy's files are broken.
+        IsolationError: The processes of a submission cannot be started.
     """
-    for kind in KINDS.values():
+    for name, kind in KINDS.items():
         if kind.fits(reference):
+            if isolation is not None and name in RUNS_CODE:
+                from overcooked_bench.agents.isolation.isolated import find_isolated
+
+                return find_isolated(reference, name, isolation)
             return kind.find(reference, mode)
     raise AgentError(_unknown(str(reference)))
 
@@ -62,18 +70,19 @@ def runs_code(reference: Reference) -> bool:
 
 
 @lru_cache(maxsize=1)
-def find_unchanged(reference: str, sha256: str, mode: "Mode") -> Entrant:
+def find_unchanged(reference: str, sha256: str, mode: "Mode", isolation: "Isolation | None" = None) -> Entrant:
     """Finds an agent that was found before, once per process, and makes sure that it is still the same.
 
     Args:
         reference: `Entrant.reference`.
         sha256: `Entrant.sha256`.
         mode: As for `find`.
+        isolation: As for `find`.
 
     Raises:
         AgentError: It was changed since then.
     """
-    found = find(reference, mode=mode)
+    found = find(reference, mode=mode, isolation=isolation)
     if found.sha256 != sha256:
         raise AgentError(
             f"{reference}: changed while it was being played (SHA-256 {sha256[:12]}… when that began, "

@@ -19,8 +19,8 @@ from overcooked_bench.agents.pools.manifest import read_manifest
 from overcooked_bench.agents.pools.pool import Pool, find_pool, is_pool
 from overcooked_bench.agents.scripted import SCRIPTED, scripted_sha256
 from overcooked_bench.agents.submissions.checks import AgentError
-from overcooked_bench.agents.submissions.content import ENTRY
-from overcooked_bench.agents.submissions.loading import MAKE_AGENT, load_submission
+from overcooked_bench.agents.submissions.content import ENTRY, hash_submission
+from overcooked_bench.agents.submissions.loading import MAKE_AGENT, entry_file, load_submission
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.policies.neural import Mode
@@ -111,23 +111,64 @@ def _behaviour(reference: Reference, mode: "Mode") -> Entrant:
     return _script(SCRIPT + text, mode)
 
 
+class Identity(NamedTuple):
+    """What a submission is, known without running it.
+
+    Attributes:
+        path: Its file or folder.
+        function: The function in it that makes agents.
+        reference: `Entrant.reference`.
+        name: `Entrant.name`.
+        sha256: `Entrant.sha256`.
+    """
+
+    path: Path
+    function: str
+    reference: str
+    name: str
+    sha256: str
+
+
+def identity_of(reference: Reference, kind: str, sha256: str | None = None) -> Identity:
+    """Identifies a submission.
+
+    Args:
+        reference: The reference.
+        kind: One of `RUNS_CODE`.
+        sha256: Hash of its files, if it is known.
+
+    Raises:
+        AgentError: There is no such file.
+    """
+    file, function = _parts(reference, kind)
+    entry_file(file, function)
+    path = Path(file).absolute()
+    name, sha256 = path.name if path.is_dir() else path.stem, sha256 or hash_submission(path)
+    if kind == "function" and function != MAKE_AGENT:
+        name, sha256 = f"{name}-{function}", hashlib.sha256(f"{sha256}:{function}".encode()).hexdigest()
+    return Identity(path, function, f"{path}:{function}" if kind == "function" else str(path), name, sha256)
+
+
 def _submission(reference: Reference, mode: "Mode") -> Entrant:
-    submission = load_submission(str(reference))
-    return Entrant(
-        *(str(submission.path), submission.name, "submission", submission.sha256, submission.make_agent),
-        training_seeds=submission.training_seeds,
-        origin=submission.origin,
-    )
+    return _loaded(reference, "submission")
 
 
 def _function(reference: Reference, mode: "Mode") -> Entrant:
+    return _loaded(reference, "function")
+
+
+def _parts(reference: Reference, kind: str) -> tuple[str, str]:
+    """Splits a reference into the path and the function."""
     file, _, function = str(reference).rpartition(":")
-    submission = load_submission(file, function)
-    reference, name, sha256 = f"{submission.path}:{function}", submission.name, submission.sha256
-    if function != MAKE_AGENT:
-        name, sha256 = f"{name}-{function}", hashlib.sha256(f"{sha256}:{function}".encode()).hexdigest()
+    return (file, function) if kind == "function" else (str(reference), MAKE_AGENT)
+
+
+def _loaded(reference: Reference, kind: str) -> Entrant:
+    """Finds a submission by running its code in this process."""
+    submission = load_submission(*_parts(reference, kind))
+    identity = identity_of(reference, kind, submission.sha256)
     return Entrant(
-        *(reference, name, "function", sha256, submission.make_agent),
+        *(identity.reference, identity.name, kind, identity.sha256, submission.make_agent),
         training_seeds=submission.training_seeds,
         origin=submission.origin,
     )

@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import Agent, GameError, UnknownLayout
 from overcooked_bench.agents.saying import describe, say
-from overcooked_bench.agents.submissions.checks import ActionError, AgentError, check_actions, checked_observation
+from overcooked_bench.agents.submissions.checks import (
+    ActionError,
+    AgentError,
+    ForeignFault,
+    check_actions,
+    checked_observation,
+)
 from overcooked_bench.agents.watch import LOADING, calling
 from overcooked_bench.errors import AgentFault
 from overcooked_bench.kitchen.kitchens import Kitchens
@@ -180,4 +186,6 @@ class Seated:
     def _blame(self, method: str, error: BaseException) -> SeatedFault:
         if type(error) is GameError and 0 <= error.row < len(self.rows):  # of the adapter of single games
             return SeatedFault(self.name, say(error), self._step, error.row)
+        if type(error) is ForeignFault:
+            return SeatedFault(self.name, f"{method}() raised {error}" if error.raised else str(error), self._step)
         return SeatedFault(self.name, f"{method}() raised {describe(error)}", self._step)

@@ -12,6 +12,9 @@ from typing import Final
 LOADING: Final = 10.0
 """Allowance of calls that load an agent or start its episodes, as `calling` takes it."""
 
+NO_ANSWER: Final = "no answer within"
+"""Is in the message of every overdue call."""
+
 _LONGEST: Final = 120
 
 

@@ -110,6 +110,18 @@ def add_act_timeout(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_isolate(parser: argparse.ArgumentParser) -> None:
+    """Declares `--isolate`."""
+    parser.add_argument(
+        "--isolate",
+        nargs="?",
+        const="best",
+        choices=("best", "strict"),
+        help="play a submission in processes of its own that see observations and return actions, in a sandbox of "
+        "bubblewrap if it is installed; --isolate=strict refuses to play without one",
+    )
+
+
 def names(text: str) -> list[str]:
     """Parses names that are separated by commas, as argparse's `type`."""
     found = [name.strip() for name in text.split(",") if name.strip()]

@@ -9,6 +9,7 @@ from overcooked_bench.commands.common import (
     add_act_timeout,
     add_command,
     add_engine,
+    add_isolate,
     add_json,
     add_layouts,
     add_output,
@@ -61,6 +62,7 @@ def add_score(commands: Any) -> None:
         "submission cannot compute who its partners are (default: the protocol's public one)",
     )
     add_act_timeout(parser)
+    add_isolate(parser)
     parser.add_argument(
         "--scenarios",
         action=argparse.BooleanOptionalAction,
@@ -94,6 +96,7 @@ def _score(options: argparse.Namespace) -> int:
             seed=options.seed,
             salt=options.salt,
             act_timeout=options.act_timeout,
+            isolate=options.isolate,
             scenarios=options.scenarios,
             on_progress=lambda at: report(*_progress(at)),
         )

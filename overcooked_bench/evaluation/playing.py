@@ -4,13 +4,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
 
+from overcooked_bench.agents.watch import NO_ANSWER
 from overcooked_bench.evaluation.games.again import play_again
 from overcooked_bench.evaluation.games.asking import Answer, ask_block
 from overcooked_bench.evaluation.games.block import Block, Outcome, play_block, rows_of
 from overcooked_bench.evaluation.games.engines import Engine
 from overcooked_bench.evaluation.games.episode import BlockKey
 from overcooked_bench.evaluation.games.store import Store
-from overcooked_bench.evaluation.games.workers import NO_ANSWER
 from overcooked_bench.evaluation.scores import Declined
 from overcooked_bench.files import shown
 
@@ -56,7 +56,7 @@ def play_blocks(
     store: Store,
     blocks: Sequence[Block],
     engine: Engine,
-    act_timeout: float,
+    patience: float | None,
     on_progress: Callable[[Progress], object],
     again: bool = False,
 ) -> Played:
@@ -69,7 +69,8 @@ def play_blocks(
         store: Where finished blocks are, and are written.
         blocks: All blocks of the score.
         engine: Where they are played.
-        act_timeout: Seconds that one call of a submission may take.
+        patience: Seconds that one call of a submission may take; None where it plays in a process of its own, which
+            is watched there.
         on_progress: Called after each block.
         again: Whether to play the first missing block again and compare, see `again.play_again`.
 
@@ -85,7 +86,7 @@ def play_blocks(
     declined: dict[str, str] = {}
     first = {block.layout: block for block in reversed(blocks)}
     questions = [first[layout] for layout in layouts if layout not in adapted]
-    for answer in engine.map(ask_block, questions, _unanswered, act_timeout):
+    for answer in engine.map(ask_block, questions, _unanswered, patience):
         if answer.fault is not None:
             faults[first[answer.layout].keys] = answer.fault
         elif answer.declined is not None:
@@ -99,14 +100,14 @@ def play_blocks(
         store.check_room(sum(map(rows_of, to_play)), to_play[0].protocol.play.horizon)
     overdue: set[tuple[str, int]] = set()
     differs = None
-    for found in engine.map(play_again, to_play[:1] if again else (), _lost, act_timeout):
+    for found in engine.map(play_again, to_play[:1] if again else (), _lost, patience):
         if isinstance(found, Outcome):
             faults[found.block.keys] = found.fault or ""
             overdue |= _overdue(found)
         else:
             differs = found
     going = (block for block in to_play if (block.layout, block.training_seed) not in overdue)
-    for outcome in engine.map(play_block, going, _lost, act_timeout):
+    for outcome in engine.map(play_block, going, _lost, patience):
         block = outcome.block
         if outcome.fault is not None:
             faults[block.keys] = outcome.fault

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from overcooked_bench.agents.catalogue import find_unchanged
+from overcooked_bench.agents.isolation.settings import Isolation
 from overcooked_bench.agents.kinds import Entrant
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.estimate import t_interval
@@ -51,6 +52,7 @@ class _Task:
         training_seed: Which training run.
         kitchen: `Item.kitchen`.
         items: Ids.
+        isolation: How a submission is isolated, or None.
     """
 
     agent: str
@@ -59,6 +61,7 @@ class _Task:
     training_seed: int
     kitchen: Kitchen
     items: tuple[str, ...]
+    isolation: Isolation | None = None
 
 
 class _Done(NamedTuple):
@@ -88,8 +91,9 @@ def play_scenarios(
     mode: "Mode",
     layouts: Sequence[str] | None,
     engine: Engine,
-    act_timeout: float,
+    patience: float | None,
     on_progress: Callable[[str, int, int], object],
+    isolation: Isolation | None = None,
 ) -> ScenariosPlayed | None:
     """Plays the shipped scenarios.
 
@@ -98,8 +102,9 @@ def play_scenarios(
         mode: How frozen policies act.
         layouts: Scenarios of these layouts only; all by default.
         engine: Where they are played.
-        act_timeout: Seconds that one call of a submission may take.
+        patience: Seconds that one call of a submission may take; None where it is isolated.
         on_progress: Called with what has just been done, how much is done, and of how much.
+        isolation: How a submission is isolated, or None.
 
     Returns:
         None if there is no scenario of these layouts.
@@ -111,13 +116,13 @@ def play_scenarios(
     for item in chosen:
         kitchens.setdefault(item.kitchen, []).append(item.id)
     tasks = [
-        _Task(entrant.reference, entrant.sha256, mode, seed, kitchen, tuple(ids))
+        _Task(entrant.reference, entrant.sha256, mode, seed, kitchen, tuple(ids), isolation)
         for seed in range(entrant.training_seeds)
         for kitchen, ids in sorted(kitchens.items())
     ]
     found: list[list[dict[str, Any]]] = [[] for _ in range(entrant.training_seeds)]
     faults: list[str] = []
-    for count, done in enumerate(engine.map(_play, tasks, _lost, act_timeout), start=1):
+    for count, done in enumerate(engine.map(_play, tasks, _lost, patience), start=1):
         found[done.training_seed] += done.records
         faults += [done.fault] if done.fault else []
         on_progress("scenarios", count, len(tasks))
@@ -192,7 +197,7 @@ def _play(task: _Task) -> _Done:
     """Plays a task; a fault of the agent comes back, so that no other task is lost with it."""
     chosen = [_by_id()[name] for name in task.items]
     try:
-        make_agent = find_unchanged(task.agent, task.agent_sha256, task.mode).make
+        make_agent = find_unchanged(task.agent, task.agent_sha256, task.mode, task.isolation).make
         played = run_items(make_agent, chosen, training_seed=task.training_seed)
     except (ScenarioFault, AgentError) as fault:
         return _lost(task, str(fault))

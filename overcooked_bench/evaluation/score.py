@@ -13,6 +13,8 @@ import msgspec
 
 from overcooked_bench.agents.agent import Reference
 from overcooked_bench.agents.catalogue import find, runs_code
+from overcooked_bench.agents.isolation.settings import Isolation
+from overcooked_bench.agents.isolation.settings import isolate as isolated
 from overcooked_bench.agents.kinds import Entrant
 from overcooked_bench.agents.pools.lineage import at_home
 from overcooked_bench.agents.pools.pool import Pool
@@ -26,6 +28,7 @@ from overcooked_bench.evaluation.games.replayed import check_returns
 from overcooked_bench.evaluation.games.roster import check_pool, roster
 from overcooked_bench.evaluation.games.store import Store
 from overcooked_bench.evaluation.games.streams import FRESH, draw_salt
+from overcooked_bench.evaluation.isolating import NOTE, note_isolation
 from overcooked_bench.evaluation.playing import Progress, play_blocks
 from overcooked_bench.evaluation.protocol import NEWEST, Play, Protocol, ProtocolError, is_text, load_protocol
 from overcooked_bench.evaluation.scenario_scores import ScenariosPlayed, play_scenarios, write_scenarios
@@ -41,6 +44,7 @@ from overcooked_bench.evaluation.summary import summarise
 from overcooked_bench.kitchen.layout import Layout
 
 if TYPE_CHECKING:
+    from overcooked_bench.agents.isolation.settings import How
     from overcooked_bench.agents.policies.neural import Mode
 
 ACT_TIMEOUT: Final = 60.0
@@ -75,6 +79,7 @@ def score(
     seed: int = 0,
     salt: str | None = None,
     act_timeout: float = ACT_TIMEOUT,
+    isolate: "How | None" = None,
     scenarios: bool = True,
     on_progress: Callable[[Progress], object] = lambda _: None,
 ) -> Scored:
@@ -97,7 +102,9 @@ def score(
             one, or continues with the one that was drawn for the folder. Official runs use a fresh one, so that a
             submission cannot compute who its partners are.
         act_timeout: Seconds that one call of a submission's `act` may take, for a whole batch of episodes; a slower one
-            is a fault of the agent. Engine "local" only.
+            is a fault of the agent. Engine "local" only, unless it is isolated.
+        isolate: "best" plays a submission in processes of its own that see observations and return actions, in a
+            sandbox of bubblewrap where there is one; "strict" insists on that. `Scores.run` says how good it was.
         scenarios: Whether to play the cooperation scenarios as well, which takes seconds.
         on_progress: Called after each block, and after each kitchen of scenarios.
 
@@ -107,6 +114,7 @@ def score(
         ProtocolError: The protocol cannot be read, or does not fit the pool or the layouts.
         StoreError: The folder holds another score, or what it holds was changed: stored episodes are replayed.
         EngineError: The engine cannot be used.
+        IsolationError: The submission cannot be isolated as it should be.
 
     Example:
         ```python
@@ -122,8 +130,10 @@ def score(
     rules = protocol if isinstance(protocol, Protocol) else load_protocol(protocol)
     play = rules.play
     untrusted = runs_code(agent)
+    isolation = isolated(isolate, act_timeout) if isolate and untrusted else None
+    patience = act_timeout if isolation is None else None
     with open_engine(engine, workers, apart=untrusted) as opened:
-        entrant = _identify(agent, play.mode, opened, act_timeout) if untrusted else find(agent, mode=play.mode)
+        entrant = _identify(agent, play.mode, opened, patience, isolation) if untrusted else find(agent, mode=play.mode)
         partners = _load_pool(rules, pool)
         chosen, skipped = _choose(rules, layouts, entrant)
         check_pool(partners, rules, chosen)
@@ -159,16 +169,23 @@ def score(
                 layout=chosen[0],
                 training_seed=0,
                 episodes=(0,),
+                isolation=isolation,
             )
             blocks = cut(first, chosen, entrant.training_seeds)
+            apart = note_isolation(
+                store, isolation, store.blocks().issuperset(key for one in blocks for key in one.keys)
+            )
             items = None
-            played = play_blocks(store, blocks, opened, act_timeout, on_progress, again=untrusted)
+            played = play_blocks(store, blocks, opened, patience, on_progress, again=untrusted)
             if scenarios:
                 items = play_scenarios(
-                    *(entrant, play.mode, layouts, opened, act_timeout),
+                    *(entrant, play.mode, layouts, opened, patience),
                     lambda what, done, of: on_progress(Progress(what, done, of, played.episodes)),
+                    isolation,
                 )
-            warnings = {"warnings": [f"{entrant.name} {played.differs}"]} if played.differs else {}
+            notes_on_run: dict[str, Any] = {NOTE: apart} if apart else {}
+            if played.differs:
+                notes_on_run["warnings"] = [f"{entrant.name} {played.differs}"]
             scores = summarise(
                 store,
                 rules,
@@ -177,7 +194,7 @@ def score(
                 declined=(*played.declined, *skipped),
                 faults=(*played.faults, *(items.faults if items else ())),
                 scenarios=items and items.score,
-                run={**_run_facts(started, time.monotonic() - clock, workers, engine), **warnings},
+                run={**_run_facts(started, time.monotonic() - clock, workers, engine), **notes_on_run},
                 conduct=True,
             )
         unwritten = None
@@ -190,13 +207,15 @@ def score(
         return Scored(scores, folder, played.episodes, unwritten)
 
 
-def _identify(agent: Reference, mode: "Mode", engine: Engine, act_timeout: float) -> Entrant:
+def _identify(
+    agent: Reference, mode: "Mode", engine: Engine, patience: float | None, isolation: Isolation | None
+) -> Entrant:
     """Finds a submission without running its code in this process, which it could end."""
 
     def lost(_: object, why: str) -> Entrant:
         raise AgentError(f"{agent}: {why}")
 
-    (entrant,) = engine.map(identify, [(agent, mode)], lost, act_timeout)
+    (entrant,) = engine.map(identify, [(agent, mode, isolation)], lost, patience)
     return entrant
 
 

@@ -20,6 +20,9 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 DISABLED: bool = bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
 """Whether kernels run as plain Python (NUMBA_DISABLE_JIT=1), the oracle of the tests."""
 
+FOLDERS: Final[set[Path]] = set()
+"""Where the kernels of this process are cached."""
+
 _SIZE: Final = hashlib.sha256().digest_size
 
 
@@ -34,6 +37,7 @@ def jit(function: Function) -> Function:
     options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
     if folder is None or DISABLED:
         return numba.njit(**options)(function)  # type: ignore[no-any-return]
+    FOLDERS.add(folder)
     before = numba.config.CACHE_DIR  # type: ignore[attr-defined]
     # Read when the function is decorated, never later.
     numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.agents.saying import describe, value
-from overcooked_bench.errors import WrongUse
+from overcooked_bench.errors import AgentFault, WrongUse
 from overcooked_bench.kitchen.codes import NUM_ACTIONS
 
 
@@ -24,6 +24,18 @@ class ActionError(AgentError):
     def __init__(self, message: str, row: int | None = None) -> None:
         super().__init__(message)
         self.row = row
+
+
+class ForeignFault(AgentFault):
+    """An agent that plays in a process of its own raised an error, or its process did what it may not.
+
+    Attributes:
+        raised: Whether one of the agent's methods raised what the message describes.
+    """
+
+    def __init__(self, message: str, raised: bool = False) -> None:
+        super().__init__(message)
+        self.raised = raised
 
 
 def check_agent(agent: Any, where: str) -> str:

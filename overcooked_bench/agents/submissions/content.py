@@ -62,6 +62,11 @@ def content(path: str | Path, follow_links: bool = True) -> dict[str, Path]:
     return {_name(file, path.parent): file for file in sorted({path, *_used(path)})}
 
 
+def imported_by(path: str | Path) -> set[str]:
+    """Lists the modules that a submission's sources import, without the names after the first dot."""
+    return {name for file in content(path).values() if file.suffix == ".py" for name in _mentions(file)[0]}
+
+
 def ours(folder: str | Path) -> tuple[str, ...]:
     """Lists the folders in a submission's folder that belong to Python, its packages or this one.
 

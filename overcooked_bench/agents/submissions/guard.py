@@ -30,7 +30,7 @@ class Guard:
 
     def __init__(self, folder: Path, content: Mapping[str, Path], is_folder: bool) -> None:
         self._folder, self._is_folder = os.path.abspath(folder), is_folder
-        self._stamps = {str(file): _stamp(file) for file in content.values()}
+        self._stamps = {str(file): stamp(file) for file in content.values()}
         self._ours = ours(folder)
         self._faults: list[str] = []
 
@@ -66,7 +66,7 @@ class Guard:
             return
         name = os.path.relpath(full, self._folder)
         if full in self._stamps:
-            if _stamp(full) == self._stamps[full]:
+            if stamp(full) == self._stamps[full]:
                 return
             fault = f"{name} was changed after it was hashed; run it again, with another --output where blocks are done"
         elif not os.path.isfile(full):
@@ -96,7 +96,8 @@ def _hook(event: str, args: tuple[Any, ...]) -> None:
                 _running.guard = guard
 
 
-def _stamp(file: str | Path) -> tuple[int, int] | None:
+def stamp(file: str | Path) -> tuple[int, int] | None:
+    """Returns when a file was changed last, and its size; None if it is not there."""
     try:
         found = os.stat(file)
     except OSError:

@@ -25,6 +25,7 @@ from overcooked_bench.agents.submissions.running import Running, SubmittedAgent
 MAKE_AGENT: Final = "make_agent"
 MOST_TRAINING_SEEDS: Final = 1000
 THIS_CODEBASE: Final = "overcooked-bench"
+_WANTED: Final = "def {}(layout: str, training_seed: int) -> Agent"
 _numbers = count()
 
 
@@ -63,20 +64,14 @@ def load_submission(path: str | Path, function: str = MAKE_AGENT) -> Submission:
     Raises:
         AgentError: No such file, its code fails, or it does not define what it should; names file and line.
     """
-    path, wanted = Path(path).absolute(), f"def {function}(layout: str, training_seed: int) -> Agent"
-    file = path / ENTRY if path.is_dir() else path
-    if not file.is_file():
-        what = f"no {ENTRY} in this folder" if path.is_dir() else "no such file"
-        raise AgentError(f"{path}: {what}; a submission is a Python file, or a folder with {ENTRY}, with `{wanted}`")
-    if file.suffix != ".py":
-        raise AgentError(f"{path}: not a Python file; a submission is a .py file, or a folder with {ENTRY}")
+    path, file = Path(path).absolute(), entry_file(path, function)
     found = content(path)
     running = Running(Imports(file.parent), Guard(file.parent, found, path.is_dir()))
     sha256 = hash_submission(path)
     module = _execute(file, running)
     make = getattr(module, function, None)
     if not callable(make):
-        raise AgentError(f"{file}: defines no {function}; write `{wanted}`")
+        raise AgentError(f"{file}: defines no {function}; write `{_WANTED.format(function)}`")
     seeds = getattr(module, "TRAINING_SEEDS", 1)
     if type(seeds) is not int or not 1 <= seeds <= MOST_TRAINING_SEEDS:
         raise AgentError(
@@ -104,6 +99,26 @@ def load_submission(path: str | Path, function: str = MAKE_AGENT) -> Submission:
 
     name = path.name if path.is_dir() else path.stem
     return Submission(name, path, seeds, make_agent, sha256, _origin(module, file))
+
+
+def entry_file(path: str | Path, function: str = MAKE_AGENT) -> Path:
+    """Returns the file of a submission that is executed.
+
+    Args:
+        path: A Python file, or a folder with `agent.py`.
+        function: The function that it should define, for messages.
+
+    Raises:
+        AgentError: There is no such file.
+    """
+    path, wanted = Path(path).absolute(), _WANTED.format(function)
+    file = path / ENTRY if path.is_dir() else path
+    if not file.is_file():
+        what = f"no {ENTRY} in this folder" if path.is_dir() else "no such file"
+        raise AgentError(f"{path}: {what}; a submission is a Python file, or a folder with {ENTRY}, with `{wanted}`")
+    if file.suffix != ".py":
+        raise AgentError(f"{path}: not a Python file; a submission is a .py file, or a folder with {ENTRY}")
+    return file
 
 
 def _origin(module: ModuleType, file: Path) -> Origin | None:

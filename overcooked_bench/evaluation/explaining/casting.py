@@ -15,6 +15,7 @@ from overcooked_bench.agents.catalogue import find
 from overcooked_bench.agents.mirror import mirrored
 from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.agents.seated import Seated
+from overcooked_bench.agents.seeding import seeded
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.agents.watch import LOADING, calling
@@ -22,7 +23,7 @@ from overcooked_bench.errors import WrongUse
 from overcooked_bench.evaluation.explaining.continuing import Continued, play_on
 from overcooked_bench.evaluation.explaining.moments import STEPS, Moment
 from overcooked_bench.evaluation.explaining.reasons import PAIRINGS, REPEATS, Pairing, Soups
-from overcooked_bench.evaluation.games.block import EGO, seeded
+from overcooked_bench.evaluation.games.block import EGO
 from overcooked_bench.evaluation.games.play import make_kitchens
 from overcooked_bench.evaluation.games.roster import pool_as_hashed, roster, seat_policies, seat_scripted
 from overcooked_bench.evaluation.games.streams import stream_key

@@ -4,7 +4,6 @@ Axes: N rows of a batch: the start states one after the other, and for each of t
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
@@ -13,11 +12,13 @@ from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import Agent, AgentFactory, UnknownLayout
 from overcooked_bench.agents.catalogue import find_unchanged, runs_code
+from overcooked_bench.agents.isolation.settings import Isolation
 from overcooked_bench.agents.kinds import RUNS_CODE
 from overcooked_bench.agents.mirror import mirrored
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.saying import describe
 from overcooked_bench.agents.seated import Seated, SeatedFault
+from overcooked_bench.agents.seeding import seeded
 from overcooked_bench.agents.submissions.checks import AgentError
 from overcooked_bench.agents.threads import one_thread
 from overcooked_bench.agents.turned import Turned
@@ -52,6 +53,7 @@ class Block:
         episodes: Indices of the start states.
         adapted: Whether the agent is given the mirror image, as it asked for (`asking.py`).
         turned: Whether the agent is handed its rows in reverse order, see `again.py`.
+        isolation: How a submission is isolated; None plays it in the process that plays the block.
     """
 
     agent: str
@@ -66,6 +68,7 @@ class Block:
     episodes: tuple[int, ...]
     adapted: bool = False
     turned: bool = False
+    isolation: Isolation | None = None
 
     def streams(self, episode: int) -> Streams:
         """Returns the random streams of a start state."""
@@ -134,7 +137,7 @@ def play_block(block: Block) -> Outcome:
     except OvercookedBenchError:
         raise
     except Exception as error:
-        if not runs_code(block.agent):
+        if block.isolation is not None or not runs_code(block.agent):
             raise
         why = f"code outside of the agent failed ({describe(error)}): does the agent change what that code uses?"
         return Outcome(block, fault=f"{block.cell}: {why}")
@@ -158,7 +161,7 @@ def _outcome(block: Block) -> Outcome:
     rows = _deal(block, partners)
     with one_thread():
         with calling("loading", LOADING):
-            entrant = find_unchanged(block.agent, block.agent_sha256, block.protocol.play.mode)
+            entrant = find_unchanged(block.agent, block.agent_sha256, block.protocol.play.mode, block.isolation)
         try:
             games = _play(block, entrant.make, partners, rows)
         except UnknownLayout as error:
@@ -167,8 +170,8 @@ def _outcome(block: Block) -> Outcome:
         except AgentError as error:
             return Outcome(block, fault=f"{block.layout}, training seed {block.training_seed}: {error}")
         except SeatedFault as fault:
-            if fault.who != EGO and entrant.kind not in RUNS_CODE:  # a partner of ours
-                raise
+            if fault.who not in (EGO, COPY) and (block.isolation is not None or entrant.kind not in RUNS_CODE):
+                raise  # a partner of ours failed, and no code of a submission is in this process
             return Outcome(block, fault=_blame(fault, block, partners, rows))
     return Outcome(block, tuple(_episodes(block, partners, rows, games)))
 
@@ -250,22 +253,3 @@ def _blame(fault: SeatedFault, block: Block, partners: Sequence[Partner | Itself
         cell = replace(block, episodes=(int(rows.episodes[fault.row]),)).cell
         where = f"partner {partners[rows.who[fault.row]].name}, seat {rows.seats[fault.row]}"
     return f"{cell}, {where}, {fault.when}: {fault.what}"
-
-
-@contextmanager
-def seeded(key: int) -> Iterator[None]:
-    """Seeds the global generators, for submissions that draw from them, and puts them back."""
-    import random
-
-    import torch
-
-    states = random.getstate(), np.random.get_state(), torch.get_rng_state()  # noqa: NPY002
-    random.seed(key)
-    np.random.seed(key % 2**32)  # noqa: NPY002
-    torch.manual_seed(key)
-    try:
-        yield
-    finally:
-        random.setstate(states[0])
-        np.random.set_state(states[1])  # noqa: NPY002
-        torch.set_rng_state(states[2])

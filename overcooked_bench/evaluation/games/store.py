@@ -145,6 +145,15 @@ class Store:
                         f"INSERT INTO episodes VALUES ({marks})", map(msgspec.structs.astuple, rows)
                     )
 
+    def note(self, key: str, value: str) -> None:
+        """Writes a note about the score, which does not identify it, instead of what was there."""
+        with self._guarded(_UNWRITABLE), self._transaction():
+            entries = {**self._read_facts(), key: value}
+            self._connection.execute("DELETE FROM facts")
+            entries["checksum"] = _digest(entries)
+            self._connection.executemany("INSERT INTO facts VALUES (?, ?)", sorted(entries.items()))
+            self.facts = self._read_facts()
+
     def find(self, where: Mapping[str, str | int], worst: bool = False) -> Episode | None:
         """Reads the first episode that matches, in the order of its key.
 

@@ -14,7 +14,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.util import Finalize
 from typing import Any, Final, TypeVar
 
-from overcooked_bench.agents.watch import Board, watch_by
+from overcooked_bench.agents.watch import NO_ANSWER, Board, watch_by
 from overcooked_bench.processes import follow_parent, hold_stops, kill_group, start_process
 
 Task = TypeVar("Task")
@@ -23,8 +23,6 @@ Result = TypeVar("Result")
 _BETWEEN_LOOKS: Final = 0.5
 """Seconds between two looks at what the workers call."""
 _NOTHING: Final = object()
-NO_ANSWER: Final = "no answer within"
-"""Is in the message of every overdue call."""
 
 
 class Crew(AbstractContextManager["Crew"]):

@@ -75,6 +75,9 @@ def _of_this_run(scores: Scores) -> list[str]:
     said = []
     if scores.salt != scores.settings.play.salt:
         said.append(f"Salt {scores.salt}: compare with scores of this salt only; --salt repeats it.")
+    apart = scores.run.get("isolation")
+    if isinstance(apart, dict):
+        said.append(str(apart.get("said")))
     adapted = [layout.layout for layout in scores.layouts if layout.adapted]
     if adapted:
         said.append(f"Adapted (played by its mirror image): {', '.join(adapted)}.")
