@@ -26,9 +26,12 @@ def command(visible: Iterable[Path], scratch_bytes: int) -> list[str]:
     Args:
         visible: Files that it can read, besides those of Python and its packages.
         scratch_bytes: Size of `SCRATCH`, the only place where it can write.
+
+    The program is the first process of the sandbox; otherwise it would be one of bwrap's, whose memory the submission
+    could change.
     """
     words = ["--unshare-all", "--unshare-user", "--disable-userns", "--die-with-parent", "--new-session"]
-    words += ["--cap-drop", "ALL", "--hostname", "sandbox"]
+    words += ["--as-pid-1", "--cap-drop", "ALL", "--hostname", "sandbox"]
     for place in _SYSTEM:
         if os.path.islink(place):
             words += ["--symlink", os.readlink(place), place]

@@ -38,6 +38,8 @@ GAME: Final = 14
 NO_ACTION: Final = 15
 """Answer: `act` did not return one action per row."""
 
+ANSWERS: Final = frozenset({DONE, DECLINED, AT_FAULT, RAISED, GAME, NO_ACTION})
+
 LONGEST_TEXT: Final = 4096
 """Bytes of a text in an answer."""
 LEAST: Final = 1 << 16

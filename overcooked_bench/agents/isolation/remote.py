@@ -102,7 +102,9 @@ class Remote:
         try:
             answer = Message.unpack(packet)
         except ValueError:
-            self._fail(f"{what}: it sent a message of {len(packet)} bytes that is no answer")
+            self._fail(f"{what}: it sent a message that is no answer")
+        if answer.kind not in frames.ANSWERS:
+            self._fail(f"{what}: it sent a message that is no answer")
         if answer.number != self._number:
             self._fail(f"{what}: it sent an answer to another request")
         if answer.size > (most if answer.kind == frames.DONE else frames.LONGEST_TEXT):

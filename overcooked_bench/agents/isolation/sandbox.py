@@ -106,7 +106,7 @@ class Sandbox:
         self._order(END, process)
 
     def how_ended(self, process: int) -> str:
-        """Says how a process ended that no longer answers; ends it if it has not."""
+        """Says how a process that no longer answers has ended, after ending it where needed."""
         answer = self._order(HOW, process)
         if not answer or answer == KILLED:
             return "it closed the connection to its process" if answer else "its sandbox has ended"
