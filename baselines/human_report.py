@@ -18,6 +18,7 @@ from overcooked_bench.files import write_whole
 from overcooked_bench.human.games import read_games
 from overcooked_bench.human.people import SETS, chosen
 
+from .by_hand import with_part_by_hand
 from .cloning.sweep import FOUND
 from .human_proxy import GAMES, games_digest
 from .likeness.crowds import Length
@@ -30,8 +31,6 @@ POOLS: Final = ("human-train", "human-test")
 REPORT: Final = "human.md"
 TRIES: Final = "human-sweep.json"
 """What was tried to choose the coefficient; written from the folder of `cloning.sweep`, read where none is given."""
-KEPT: Final = "<!-- Written by hand; the command keeps what follows. -->"
-_KEPT_AT_FIRST: Final = f"{KEPT}\n\n## What falls short\n"
 
 
 def judged(games_file: str, pools: Sequence[str], length: Length) -> list[Likeness]:
@@ -90,9 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     output, tries = given.output, read_tries(given.sweep, given.output)
     output.mkdir(parents=True, exist_ok=True)
     report = output / REPORT
-    before = report.read_text() if report.exists() else ""
-    by_hand = before[before.index(KEPT) :] if KEPT in before else _KEPT_AT_FIRST
-    write_whole(report, f"{written(found, tries)}\n{by_hand}".encode())
+    write_whole(report, with_part_by_hand(report, written(found, tries)))
     write_whole(output / SOUPS_PICTURE, draw_soups(found))
     write_whole(output / VISITS_PICTURE, draw_visits(found))
     if given.sweep is not None:

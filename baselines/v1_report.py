@@ -19,6 +19,7 @@ from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.files import write_whole
 
+from .by_hand import with_part_by_hand
 from .evidence.pictures import draw_cross_play, draw_people, draw_predictors
 from .evidence.played import PlayedPairs
 from .evidence.records import Evidence
@@ -30,8 +31,6 @@ OTHERS: Final = ("human-test", "human-train", "dev-v0", "dev-v1")
 SOURCES: Final = ("train-v1", "dev-v1", "dev-v0", "human-train")
 """Shipped pools that entrants come from."""
 EPISODES: Final = 4
-KEPT: Final = "<!-- Written by hand; the command keeps what follows. -->"
-_KEPT_AT_FIRST: Final = f"{KEPT}\n\n## What falls short\n"
 
 
 def gathered(
@@ -98,9 +97,7 @@ def _write(found: Evidence, output: Path) -> Path:
     output.mkdir(parents=True, exist_ok=True)
     name = found.pool.name
     page = output / f"{name}.md"
-    before = page.read_text() if page.exists() else ""
-    by_hand = before[before.index(KEPT) :] if KEPT in before else _KEPT_AT_FIRST
-    write_whole(page, f"{written(found)}\n{by_hand}")
+    write_whole(page, with_part_by_hand(page, written(found)))
     write_whole(output / f"{name}.json", msgspec.json.format(msgspec.json.encode(found), indent=1) + b"\n")
     for picture, draw in (
         (CROSS_PLAY_PICTURE, draw_cross_play),

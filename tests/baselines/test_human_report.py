@@ -6,8 +6,9 @@ import pytest
 
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.baselines.building.build import publish, train_run
+from overcooked_bench.baselines.by_hand import KEPT
 from overcooked_bench.baselines.cloning.likelihood import Foretold
-from overcooked_bench.baselines.human_report import KEPT, main, read_tries
+from overcooked_bench.baselines.human_report import main, read_tries
 from overcooked_bench.baselines.likeness.crowds import Length
 from overcooked_bench.baselines.likeness.foretold import CLONES, FREQUENCIES, nats
 from overcooked_bench.baselines.likeness.likeness import EACH_OTHER, Gate, gates, likenesses

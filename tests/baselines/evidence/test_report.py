@@ -7,6 +7,7 @@ import pytest
 
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.baselines import v1_report
+from overcooked_bench.baselines.by_hand import KEPT
 from overcooked_bench.baselines.evidence import played
 from overcooked_bench.baselines.evidence.played import PlayedPairs
 from overcooked_bench.baselines.evidence.scores import TWIN, WHOLE
@@ -83,8 +84,8 @@ def test_what_is_missing_is_said_and_what_was_written_by_hand_stays(home, report
         assert f"Missing: {missing}" in text
     assert numbers["twin"] is None
     page = tmp_path / "out" / "tiny.md"
-    page.write_text(f"old\n{v1_report.KEPT}\n\nMine.\n")
-    assert report()[0] == text[: text.index(v1_report.KEPT)] + f"{v1_report.KEPT}\n\nMine.\n"
+    page.write_text(f"old\n{KEPT}\n\nMine.\n")
+    assert report()[0] == text[: text.index(KEPT)] + f"{v1_report.KEPT}\n\nMine.\n"
 
 
 def test_what_cannot_be_shown_is_refused(home, report, capsys):
