@@ -146,6 +146,7 @@ def train(config: Config, place: Place) -> Outcome | None:
         sum(leg.seconds for leg in column),
         with_partners=with_partners,
         parts=tuple(leg for k, leg in enumerate(legs) if k % config.agents != best),
+        legs=config.rounds,
     )
 
 

@@ -35,6 +35,7 @@ from ..running.parts import checkpoints
 from ..running.place import CONFIG_FILE, Place, read_record, write_record
 from ..running.run import Outcome
 from .config import PoolConfig, Run
+from .costs import RunCost
 from .groups import CLONE, EARLY, FINAL, HALF, Kind
 
 AGENTS_FILE: Final = "agents.json"
@@ -54,10 +55,12 @@ class _Kept(msgspec.Struct):
 
 
 class _Agents(msgspec.Struct):
-    """What `agents.json` holds."""
+    """What `agents.json` holds; runs of earlier versions do not say what their partners cost."""
 
     seconds: float
     agents: list[_Kept]
+    joint_steps: int | None = None
+    partner_runs: int | None = None
 
 
 def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
@@ -108,13 +111,24 @@ def train_run(run: Run, folder: Path, every: int = 250_000) -> bool:
         )
         stem = files.weights.with_suffix("").relative_to(folder).as_posix()
         entries.append(_Kept(stem, record))
-    write_record(folder / AGENTS_FILE, msgspec.to_builtins(_Agents(round(outcome.total_seconds, 1), entries)))
+    ended = _Agents(round(outcome.total_seconds, 1), entries, outcome.total_steps, outcome.partner_runs)
+    write_record(folder / AGENTS_FILE, msgspec.to_builtins(ended))
     return True
 
 
-def _read_agents(file: Path) -> list[_Kept]:
+def run_cost(folder: Path) -> RunCost | None:
+    """Returns what a finished run cost; None if the folder holds none, or it does not say so."""
+    if not (folder / AGENTS_FILE).is_file():
+        return None
+    found = _read_agents(folder / AGENTS_FILE)
+    if found.joint_steps is None or found.partner_runs is None:
+        return None
+    return RunCost(found.seconds, found.joint_steps, found.partner_runs)
+
+
+def _read_agents(file: Path) -> _Agents:
     try:
-        return read_json(file, MOST_BYTES, _Agents, PoolBuildError).agents
+        return read_json(file, MOST_BYTES, _Agents, PoolBuildError)
     except PoolBuildError as error:
         raise PoolBuildError(f"{error}; remove the file, and the agents of the run are measured again") from None
 
@@ -146,7 +160,7 @@ def publish(run: Run, folder: Path, pool: Path) -> list[Entry]:
         PoolBuildError: The run was made under another configuration.
         PoolError: The pool that is there is damaged.
     """
-    kept = _read_agents(folder / AGENTS_FILE)
+    kept = _read_agents(folder / AGENTS_FILE).agents
     records = [labelled(run, one.record) for one in kept]
     for record in records:
         check_entry(run, record, f"{folder}: this run")

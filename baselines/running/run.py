@@ -59,6 +59,7 @@ class Outcome:
         restarts: How often the divergence check restarted it.
         with_partners: (E,) the same with the partners of the training, both seats; None where it had none of its own.
         parts: Outcomes of the other runs that this one consists of.
+        legs: Outcomes among them that are of one policy, trained in so many runs one after the other.
     """
 
     files: PolicyFiles
@@ -69,6 +70,12 @@ class Outcome:
     restarts: int = 0
     with_partners: Returns | None = None
     parts: tuple["Outcome", ...] = ()
+    legs: int = 1
+
+    @property
+    def partner_runs(self) -> int:
+        """Further policies that were trained for this one."""
+        return len(self.parts) // self.legs
 
     @property
     def total_steps(self) -> int:
