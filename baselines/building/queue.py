@@ -65,7 +65,7 @@ class Result:
 def build(
     wanted: Sequence[Run],
     home: Path,
-    pool: Path,
+    pool: Path | Callable[[Run], Path],
     workers: int,
     display: "Display | None" = None,
     every: int = 250_000,
@@ -75,7 +75,7 @@ def build(
     Args:
         wanted: What to train, in this order.
         home: Folder for the runs.
-        pool: Folder of the pool.
+        pool: Folder of the pool; a function where runs are of several pools.
         workers: Runs at the same time.
         display: Shows how far they are.
         every: Joint steps between checkpoints of a run.
@@ -83,12 +83,13 @@ def build(
     result, left = Result(), deque(wanted)
     running: dict[Any, tuple[Run, SpawnProcess]] = {}
     shown = display or Display(0)
+    target = (lambda run: pool) if isinstance(pool, Path) else pool
     while running or (left and not result.stopped):
         try:
             while left and len(running) < workers and not result.stopped:
                 run = left.popleft()
                 if (home / run.path / AGENTS_FILE).exists():  # finished before; no process needs to see to it
-                    _settle(run, _DONE, home / run.path, pool, result, shown.say)
+                    _settle(run, _DONE, home / run.path, target(run), result, shown.say)
                     continue
                 with hold_stops():  # until it is known whom to pass Ctrl-C on to
                     process = start_process(_work, run, home / run.path, every, name=run.path)
@@ -96,7 +97,7 @@ def build(
             for sentinel in wait(list(running), timeout=1.0):
                 run, process = running.pop(sentinel)
                 process.join()
-                _settle(run, process.exitcode, home / run.path, pool, result, shown.say)
+                _settle(run, process.exitcode, home / run.path, target(run), result, shown.say)
             shown.update(len(result.finished), {r.path: _last_line(home / r.path / LOG) for r, _ in running.values()})
         except KeyboardInterrupt:
             _stop([process for _, process in running.values()], at_once=result.stopped)

@@ -1,0 +1,1 @@
+"""Entries held against each other: their scores under one protocol, which of them the data separate, and the page."""
