@@ -85,7 +85,7 @@ def test_what_is_missing_is_said_and_what_was_written_by_hand_stays(home, report
     assert numbers["twin"] is None
     page = tmp_path / "out" / "tiny.md"
     page.write_text(f"old\n{KEPT}\n\nMine.\n")
-    assert report()[0] == text[: text.index(KEPT)] + f"{v1_report.KEPT}\n\nMine.\n"
+    assert report()[0] == text[: text.index(KEPT)] + f"{KEPT}\n\nMine.\n"
 
 
 def test_what_cannot_be_shown_is_refused(home, report, capsys):
