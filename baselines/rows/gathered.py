@@ -26,13 +26,14 @@ def gather(played: Sequence[PlayedEntry], games: Games, reference: str) -> Stand
     found = [entry_record(one) for one in played]
     pool, strangers = played[0].scores.pool, Pool.load(games.strangers)
     rule = games.thesis.report.ordered
+    met = next((one.criterion.pool for one in played if one.criterion), None)
     assert pool is not None
     assert rule is not None  # `ordered_cross_play` refuses a protocol without it
     return Standings(
         schema=SCHEMA,
         protocol=played[0].scores.protocol,
         pool=pool,
-        criterion=games.criterion.name if games.criterion else None,
+        criterion=met.name if met else None,
         thesis=(Source(games.thesis.name, games.thesis.sha256), Source(strangers.name, strangers.hash)),
         positions=rule.positions,
         quantile=rule.quantile,

@@ -136,7 +136,7 @@ class Standings(msgspec.Struct, frozen=True, kw_only=True):
         schema: Version of this form.
         protocol: What everybody was scored with.
         pool: Its partners.
-        criterion: Name of the protocol of the criterion column; None without one.
+        criterion: Name of the pool of the criterion column; None without one.
         thesis: The protocol `thesis`, and the pool whose self-play agents were its partners.
         positions: Shares of the partners in `Ordered.values`.
         quantile: The quantile over rows in `Ordered`.

@@ -59,7 +59,7 @@ def standings(*entries):
         schema=SCHEMA,
         protocol=Source("v1", "a" * 64),
         pool=Source("v1", "b" * 64),
-        criterion="people",
+        criterion="human-test",
         thesis=(Source("thesis", "c" * 64), Source("train-v1", "d" * 64)),
         positions=(0.5, 1.0),
         quantile=0.15,

@@ -1,12 +1,17 @@
 """The page and the README's table, from the numbers alone."""
 
+import re
+
 import msgspec
 import pytest
 
 from overcooked_bench.baselines.by_hand import KEPT
 from overcooked_bench.baselines.rows.written import readme_table, written
-from overcooked_bench.baselines.v1_entries import BEGIN, END, main
+from overcooked_bench.baselines.v1_entries import BEGIN, END, main, read_standings
 from tests.baselines.rows.made import entry, standings
+from tests.test_readme import ROOT
+
+RESULTS = ROOT / "baselines" / "results"
 
 
 @pytest.fixture
@@ -71,3 +76,12 @@ def test_mistakes_end_in_one_message(tmp_path, capsys):
     (tmp_path / "v1-entries.json").write_bytes(msgspec.json.encode(msgspec.structs.replace(standings(), schema=9)))
     assert main(["--numbers", "--output", str(tmp_path)]) == 2
     assert "its schema is 9" in capsys.readouterr().err
+
+
+def test_the_shipped_page_and_the_readme_are_what_the_numbers_say():
+    found = read_standings(RESULTS / "v1-entries.json")
+    page = (RESULTS / "v1-entries.md").read_text("utf-8")
+    assert page.partition(KEPT)[0] == f"{written(found)}\n"
+    table = re.search(f"{BEGIN}\n(.*)\n{END}", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+    assert table is not None
+    assert table[1] == readme_table(found).markdown()
