@@ -17,7 +17,12 @@ def add_report(commands: Any) -> None:
     )
     parser.add_argument("score", metavar="DIR", help="the folder of a score; everything is written there")
     parser.add_argument(
-        "--beside", metavar="SCORE", nargs="+", default=[], help="scores of the same games, which plots show besides"
+        "--beside",
+        metavar="SCORE",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="scores of the same games, which plots show besides",
     )
 
 

@@ -23,7 +23,8 @@ div.wide { overflow-x: auto; } div.wide + div.wide { margin-top: 1.2rem; } div.w
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .8rem .25rem 0; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap;
   vertical-align: baseline; }
-.left, td.code { text-align: left; } th { font-weight: 600; font-size: .9rem; vertical-align: bottom; }
+.left, td.code { text-align: left; }
+th { font-weight: 600; font-size: .9rem; vertical-align: bottom; white-space: normal; }
 tr > :first-child { position: sticky; left: 0; background: var(--paper); }
 tr.sum td { font-weight: 600; }
 code { font-size: .85rem; user-select: all; overflow-wrap: anywhere; }
@@ -32,7 +33,8 @@ dl { display: grid; grid-template-columns: max-content 1fr; gap: .1rem 1rem; fon
 dt { color: var(--dim); } dd { margin: 0; overflow-wrap: anywhere; }
 summary { cursor: pointer; margin: .4rem 0; }
 @media (max-width: 40rem) { body { margin: 1rem auto; } dl { display: block; } dd { margin-bottom: .4rem; }
-  table { font-size: .9rem; } }
+  table { font-size: .85rem; } th, td { padding-right: .5rem; } th { font-size: .8rem; }
+  tr > .left:first-child { white-space: normal; } td small { display: block; } }
 @media print { :root { color-scheme: light; } body { max-width: none; margin: 0; font-size: 11pt; }
   nav { display: none; }
   figure, tr, h2, h3 { break-inside: avoid; } h2, h3 { break-after: avoid; } }

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from rich.table import Table as RichTable
 
 
-_INTERVAL: Final = " [95 %]"
+INTERVAL: Final = " [95 %]"
+"""How the heading of a column with intervals ends."""
 
 
 class Column(NamedTuple):
@@ -176,14 +177,14 @@ def _html(cell: Cell) -> str:
         return f"<code>{escape(cell.text)}</code>"
     if isinstance(cell, Number):
         return escape(cell.value) + (f" <small>{escape(cell.interval)}</small>" if cell.interval else "")
-    return escape(_printable(cell)).replace("\n", "<br>")
+    return escape(_printable(cell)).replace("\n", "<br>").replace("_", "_<wbr>")
 
 
 def _csv(heading: str, cells: Sequence[Cell]) -> list[list[str]]:
     """Returns a column as one of CSV, its heading first; with what is known about the error as more of them."""
     numbers = [cell for cell in cells if isinstance(cell, Number)]
     unit = " %" if numbers and all(number.value.endswith(" %") for number in numbers) else ""
-    head = heading.replace(_INTERVAL, "") + unit
+    head = heading.replace(INTERVAL, "") + unit
     columns = [[head, *(cell.value.removesuffix(unit) if isinstance(cell, Number) else str(cell) for cell in cells)]]
     ends = [re.findall(r"-?[\d.]+", cell.interval) if isinstance(cell, Number) else [] for cell in cells]
     names = ("low", "high") if max(map(len, ends), default=0) == 2 else ("s.e.",)

@@ -47,7 +47,7 @@ def test_it_is_written_as_markdown():
 
 def test_it_is_written_as_html():
     text = TABLE.html()
-    assert '<td class="left">cramped_room</td><td>12.0 <small>[10.0, 14.0]</small></td>' in text
+    assert '<td class="left">cramped_<wbr>room</td><td>12.0 <small>[10.0, 14.0]</small></td>' in text
     assert "<code>run --partner &#x27;a b&#x27;</code>" in text
     assert "<th>mean<br>[95 %]</th>" in text
     assert '<tr class="sum"><td class="left">mean</td>' in text

@@ -11,6 +11,13 @@ from overcooked_bench.rendering.table import Cell, Column, Number, Table
 
 WORST: Final = "worst_third"
 _OVERALL: Final = "mean of layouts"
+STRATA: Final = {
+    "own": "own: trained with the pool's own code",
+    "other-trainers": "other-trainers (other code): trained with other people's code",
+    "human": "human: clones of people",
+    "scripted": "scripted (scripts): agents of rules",
+}
+"""Strata of partners in the order in which they are shown, and what they are."""
 _HEADS: Final = {"other-trainers": "other\ncode", "scripted": "scripts"}
 _GAP: Final = 2
 
@@ -42,6 +49,21 @@ def card_table(scores: Scores, shown_beside: Beside, width: int) -> Table:
     return table
 
 
+def columns_note(scores: Scores) -> str:
+    """Says what the columns besides the headlines are."""
+    first, *_ = scores.settings.report.headlines
+    title = next((facts.label.partition(" ")[0] for facts in scores.metrics if facts.name == first), first)
+    rows = list(scores.select(first))
+    strata = [_HEADS.get(one, one).replace("\n", " ") for one in STRATA if any(row.stratum == one for row in rows)]
+    said = [f"{', '.join(strata)}: {title} with each stratum of partners"] if strata else []
+    if any(row.home is False for row in rows):
+        said.append(f"away: {title} with partners of other code and other people than the agent was trained with")
+    if any(scores.select(WORST)):
+        said.append(f"worst third: mean {title} of that third of the partners")
+    said.append("points: mean return per episode")
+    return f"Columns: {'; '.join(said)}."
+
+
 def _columns(scores: Scores, shown_beside: Beside) -> list[_Shown]:
     first, *others = scores.settings.report.headlines
     known = {facts.name: facts for facts in scores.metrics}
@@ -62,7 +84,7 @@ def _columns(scores: Scores, shown_beside: Beside) -> list[_Shown]:
 
 
 def _order(stratum: str) -> tuple[int, str]:
-    known = ("own", "other-trainers", "human", "scripted")
+    known = [*STRATA]
     return known.index(stratum) if stratum in known else len(known), stratum
 
 

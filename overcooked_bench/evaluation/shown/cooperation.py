@@ -3,8 +3,8 @@
 from typing import Final
 
 from overcooked_bench.evaluation.metric import Params
-from overcooked_bench.evaluation.scores import Scores
-from overcooked_bench.evaluation.shown.tables import NONE, figure, layout_name
+from overcooked_bench.evaluation.scores import LayoutFacts, Scores
+from overcooked_bench.evaluation.shown.tables import NONE, figure, layout_name, name_of, of_partners, partners_of
 from overcooked_bench.rendering.table import Cell, Column, Table
 
 _COLUMNS: Final = (
@@ -42,6 +42,24 @@ def cooperation_table(scores: Scores, reference: Scores | None) -> Table | None:
             for first, (name, of, chef) in zip(names, chefs, strict=True)
         ]
     return Table(["layout", Column("chef", left=True), *(heading for heading, _ in _COLUMNS)], rows)
+
+
+def cooperation_cells_table(scores: Scores, layout: LayoutFacts) -> Table | None:
+    """Lays out what both chefs do per episode with each partner of a layout; None if the score has none of it."""
+    names = {name for _, metrics in _COLUMNS for name in metrics}
+    shown = [(facts, params) for facts, params in of_partners(scores, layout) if facts.name in names]
+    if not shown:
+        return None
+    rows: list[list[Cell]] = []
+    for label in partners_of(scores, layout):
+        found = (
+            (scores.find(facts.name, layout=layout.layout, partner=label.name, params=params), facts)
+            for facts, params in shown
+        )
+        rows.append(
+            [name_of(label), *(NONE if row is None else figure(row.estimate, facts, False) for row, facts in found)]
+        )
+    return Table(["partner", *(facts.heading(params) for facts, params in shown)], rows)
 
 
 def _cells(scores: Scores, layout: str, chef: int) -> list[Cell]:

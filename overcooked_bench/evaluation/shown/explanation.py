@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.explaining.reasons import FAILURES, PAIRINGS, REASONS
 from overcooked_bench.evaluation.explaining.records import PREFIX, Explanation, Shares
+from overcooked_bench.evaluation.pools.axes import AXES
 from overcooked_bench.rendering.table import Cell, Column, Number, Table
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def conventions_table(explanation: Explanation, least: int = FEW) -> Table:
     heads = [Column("layout", left=True, wrap=False), Column("conventions", left=True, wrap=False)]
     rows: list[list[Cell]] = [
         [
-            *(one.layout, f"{axis.axis} {'differ' if axis.differ else 'agree'}", str(axis.shares.moments)),
+            *(one.layout, f"{axis.axis}: {'different' if axis.differ else 'the same'}", str(axis.shares.moments)),
             *(_percent(axis.shares.fails), _percent(axis.shares.reasons.get("clash"))),
         ]
         for one in explanation.layouts
@@ -81,6 +82,11 @@ def notes(explanation: Explanation) -> Iterator[str]:
     for reason in FAILURES:
         heading = REASONS[reason].heading.replace("\n", " ")
         yield f"{heading.capitalize()}: {explanation.reasons[reason]}."
+    shown = {str(row[1]).partition(":")[0] for row in conventions_table(explanation).rows}
+    axes = (axis for layout in explanation.layouts for axis in AXES.get(layout.layout, ()))
+    meant = {axis.name: axis.meaning for axis in axes if axis.name in shown}
+    if meant:
+        yield f"Conventions: {'; '.join(f'{name}, {meaning}' for name, meaning in meant.items())}."
 
 
 def explanation_tables(explanation: Explanation) -> "Group":

@@ -40,9 +40,13 @@ def notes(scores: Scores) -> list[str]:
     said += [facts.note for facts in scores.metrics if facts.note and any(scores.select(facts.name))]
     if any(not label.counts for layout in scores.layouts for label in layout.partners):
         said.append("Floors are played and shown but do not count in any score.")
-    near = [f"{r.value:.0f} at {r.params['soups']:g} ({r.layout})" for r in scores.select("undecided") if r.value]
+    near: dict[str, list[str]] = {}
+    for row in scores.select("undecided"):
+        if row.value and row.layout is not None:
+            near.setdefault(row.layout, []).append(f"{row.value:.0f} at {row.params['soups']:g}")
     if near:
-        said.append(f"Partners within two standard errors of a threshold: {', '.join(near)}.")
+        where = "; ".join(f"{layout} {', '.join(counts)}" for layout, counts in near.items())
+        said.append(f"Partners within two standard errors of a number of soups: {where}.")
     if any(scores.select("pots")):
         said.append(
             "Chefs: per episode the soups that they deliver, the ingredients that they put into pots, and the objects "

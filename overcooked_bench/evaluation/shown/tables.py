@@ -6,8 +6,8 @@ from typing import Literal
 from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.cells import PartnerLabel
 from overcooked_bench.evaluation.metric import MetricFacts
-from overcooked_bench.evaluation.scores import MEAN, CategoryScore, LayoutFacts, Row, ScenarioScore, Scores
-from overcooked_bench.rendering.table import Cell, Column, Number, Table
+from overcooked_bench.evaluation.scores import MEAN, CategoryScore, LayoutFacts, ScenarioScore, Scores
+from overcooked_bench.rendering.table import INTERVAL, Cell, Column, Number, Table
 
 NONE = "-"
 
@@ -62,21 +62,15 @@ def partners_table(scores: Scores) -> Table:
 
 
 def cells_table(scores: Scores, layout: LayoutFacts) -> Table:
-    """Lays out one row per partner of a layout, with everything that is known about it."""
-    known = [facts for facts in scores.metrics if any(scores.select(facts.name, layout=layout.layout, seat=None))]
-    others = [
-        (facts, params)
-        for facts in known
-        if facts.name != MEAN
-        for params in _distinct(row.params for row in _of_partners(scores, layout, facts))
-    ]
+    """Lays out one row per partner of a layout: mean return, by seat, and the metrics that are known for partners."""
+    others = [(facts, params) for facts, params in of_partners(scores, layout) if facts.name != MEAN and facts.tables]
     seats = scores.settings.play.seats
-    heads = ["partner", "kind", "mean [95 %]", *(f"seat {seat}" for seat in seats)]
-    heads += [facts.heading(params) for facts, params in others]
+    heads: list[str | Column] = ["partner", Column("kind", left=True), "mean [95 %]"]
+    heads += [f"seat {seat}" for seat in seats]
+    heads += [facts.heading(params).replace(INTERVAL, "") for facts, params in others]
     mean = next(facts for facts in scores.metrics if facts.name == MEAN)
-    counting = [label for label, _ in scores.with_partners(layout)]
     rows: list[list[Cell]] = []
-    for label in (*counting, *(label for label in layout.partners if not label.counts)):
+    for label in partners_of(scores, layout):
         who = {"layout": layout.layout, "partner": label.name}
         own = scores.find(**who)
         by_seat = [scores.find(**who, seat=seat) for seat in seats]
@@ -138,8 +132,21 @@ def layout_name(layout: LayoutFacts) -> str:
     return layout.layout + (" (adapted)" if layout.adapted else "")
 
 
-def _of_partners(scores: Scores, layout: LayoutFacts, facts: MetricFacts) -> Iterable[Row]:
-    return (row for row in scores.select(facts.name, layout=layout.layout, seat=None) if row.partner is not None)
+def of_partners(scores: Scores, layout: LayoutFacts) -> list[tuple[MetricFacts, dict[str, float]]]:
+    """Returns the metrics that are known for single partners of a layout, each with each set of its parameters."""
+    return [
+        (facts, params)
+        for facts in scores.metrics
+        for params in _distinct(
+            row.params for row in scores.select(facts.name, layout=layout.layout, seat=None) if row.partner is not None
+        )
+    ]
+
+
+def partners_of(scores: Scores, layout: LayoutFacts) -> list[PartnerLabel]:
+    """Returns the partners of a layout: those that count, the worst first, then the floors."""
+    counting = [label for label, _ in scores.with_partners(layout)]
+    return [*counting, *(label for label in layout.partners if not label.counts)]
 
 
 def _distinct(given: Iterable[dict[str, float]]) -> list[dict[str, float]]:

@@ -35,7 +35,7 @@ def scored(tmp_path_factory, pool_folder):
 class Outline(HTMLParser):
     """Checks that tags nest, and collects what stands in the page."""
 
-    VOID = ("meta", "path", "use", "rect", "br")
+    VOID = ("meta", "path", "use", "rect", "br", "wbr")
 
     def __init__(self):
         super().__init__()

@@ -13,6 +13,7 @@ from overcooked_bench.agents.pools.records import Bound
 from overcooked_bench.cli import main
 from overcooked_bench.evaluation.beside import Beside
 from overcooked_bench.evaluation.explaining.explain import explain
+from overcooked_bench.evaluation.explaining.records import read_explanation
 from overcooked_bench.evaluation.protocol import load_protocol, read_protocol
 from overcooked_bench.evaluation.scores import Source, read_scores
 from overcooked_bench.evaluation.shown import report
@@ -58,13 +59,15 @@ def folder(rules, tmp_path_factory):
     home = tmp_path_factory.mktemp("scores")
     mine = score(AGENT, rules, output=home / "mine")
     explain(mine.folder, moments=8)
-    (home / "theirs").mkdir()
-    theirs = msgspec.structs.replace(mine.scores, agent=Source("theirs", "0" * 64))
-    theirs.write(home / "theirs" / "score.json")
+    chosen = []
+    for name in ("theirs", "another's"):
+        (home / name).mkdir()
+        msgspec.structs.replace(mine.scores, agent=Source(name, "0" * 64)).write(home / name / "score.json")
+        chosen += ["--beside", str(home / name)]
     reference = score("greedy", rules, output=home / "greedy").scores
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report, "beside", lambda scores, folder: Beside(reference))
-        assert main(["report", str(mine.folder), "--beside", str(home / "theirs")]) == 0
+        assert main(["report", str(mine.folder), *chosen]) == 0
     return mine.folder
 
 
@@ -101,7 +104,7 @@ def test_tables_and_plots_say_what_the_score_says(folder, scores, opened):
     for plot in page.locator("svg[role=img]").all():
         assert len(plot.get_attribute("aria-label")) > 20
     names = page.locator("ul.legend").first.locator("li").all_inner_texts()
-    assert names == ["dev-v1-sp-0", "theirs", "greedy"]
+    assert names == ["dev-v1-sp-0", "theirs", "another's", "greedy"]
 
 
 @pytest.mark.parametrize(("width", "dark"), [(1280, False), (390, True)])
@@ -110,6 +113,8 @@ def test_the_page_is_as_wide_as_the_screen_in_its_theme(width, dark, folder, ope
     page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
     page.locator(".kitchen canvas").last.wait_for()
     assert page.evaluate("document.documentElement.scrollWidth") <= width
+    scrolled = "[...document.querySelectorAll('div.wide')].filter(one => one.scrollWidth > one.clientWidth).length"
+    assert width < 1280 or page.evaluate(scrolled) == 0
     ground, ink = page.evaluate(
         "[getComputedStyle(document.body).backgroundColor, getComputedStyle(document.body).color]"
     )
@@ -146,6 +151,17 @@ def test_the_worst_moments_are_played_four_ways(folder, opened):
     assert "greedy holds" in inner[3].locator(".said").inner_text()
 
 
+def test_a_clash_says_what_the_conventions_are(folder, opened):
+    page, layouts = opened(folder / "report.html"), read_explanation(folder).layouts
+    shown = [(layout.moments[worst.moment], worst) for layout in layouts for worst in layout.worst]
+    moment, worst = next((moment, worst) for moment, worst in shown if moment.differ and moment.reason == "clash")
+    axis, (own, other) = moment.differ[0], worst.conventions
+    line = page.locator("details", has_text=worst.name.removeprefix("moment-")).first
+    assert f"with {moment.partner}: clash of conventions ({', '.join(moment.differ)})" in line.inner_text()
+    line.locator("summary").first.click()
+    assert f"{own[axis]} for the agent, {other[axis]} for its partner." in line.inner_text()
+
+
 def test_every_plot_and_table_is_a_file(folder, scores):
     plots = {path.name for path in (folder / "plots").iterdir()}
     assert plots == {
@@ -163,7 +179,8 @@ def test_every_plot_and_table_is_a_file(folder, scores):
         *(pytest.approx(end, abs=0.005) for end in found.estimate)
     ]
     tables = {path.stem for path in (folder / "tables").iterdir()}
-    assert {"score", "seats", "cooperation", "reasons", "worst", "metrics", "partners-on-cramped_room"} <= tables
+    assert {"score", "seats", "cooperation", "reasons", "worst", "metrics"} <= tables
+    assert {"partners-on-cramped_room", "cooperation-on-cramped_room"} <= tables
 
 
 def test_an_explanation_of_another_score_is_not_shown(folder, tmp_path):

@@ -23,14 +23,10 @@ def curves_section(material: Material) -> Section | None:
     if not layouts:
         return None
     panels = [_panel_plot(entrants, layout).element() for layout in layouts]
-    seeds = material.scores.training_seeds
-    said = (
-        "Partners in ascending order of their mean, sorted separately for each training seed. Bands: pointwise 95 % "
-        f"over the {seeds} training seeds; dotted: their 0.15-quantile."
-        if seeds > 1
-        else "Partners in ascending order of their mean. One training run: no bands."
-    )
-    said += " Horizontal lines: numbers of soups."
+    said = "Partners in ascending order of their mean, sorted separately for each training seed. "
+    if any(one.scores.training_seeds > 1 for one in entrants if not one.reference):
+        said += "Bands: pointwise 95 % over training seeds; dotted: their 0.15-quantile. "
+    said += "An agent of one training run has no band. Horizontal lines: numbers of soups."
     figures = "".join(
         f"<div><h3>{layout.layout}</h3>{panel}</div>" for layout, panel in zip(layouts, panels, strict=True)
     )

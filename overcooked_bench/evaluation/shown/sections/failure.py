@@ -5,8 +5,9 @@ from collections.abc import Iterator
 from html import escape
 from typing import Final
 
-from overcooked_bench.evaluation.explaining.reasons import PAIRINGS, Pairing
-from overcooked_bench.evaluation.explaining.records import PREFIX, Explanation, LayoutExplanation, Worst
+from overcooked_bench.evaluation.explaining.reasons import PAIRINGS, REASONS, Pairing
+from overcooked_bench.evaluation.explaining.records import PREFIX, Explanation, LayoutExplanation, Moment, Worst
+from overcooked_bench.evaluation.pools.axes import AXES
 from overcooked_bench.evaluation.shown.explanation import conventions_table, notes, reasons_table, soups_table
 from overcooked_bench.evaluation.shown.sections.reasons_plot import reasons_plot
 from overcooked_bench.evaluation.shown.sections.section import Material, Section
@@ -45,9 +46,18 @@ def _moment(found: Explanation, layout: LayoutExplanation, worst: Worst) -> str:
     moment = layout.moments[worst.moment]
     means = ", ".join(f"{_NAMES[pairing].lower()} {moment.soups.mean(pairing):.1f}" for pairing in PAIRINGS)
     differ = f" ({', '.join(moment.differ)})" if moment.differ and moment.reason == "clash" else ""
-    head = f"{worst.name.removeprefix(PREFIX)}, with {moment.partner}: {moment.reason}{differ}"
-    said = note(f"Soups from step {moment.step} on: {means}.")
-    return f"<details><summary>{escape(head)}</summary>{said}{''.join(_games(found, layout, worst))}</details>"
+    reason = REASONS[moment.reason].heading.replace("\n", " ")
+    head = f"{worst.name.removeprefix(PREFIX)}, with {moment.partner}: {reason}{differ}"
+    said = f"Soups from step {moment.step} on: {means}. {' '.join(_differences(layout, moment, worst))}"
+    return f"<details><summary>{escape(head)}</summary>{note(said)}{''.join(_games(found, layout, worst))}</details>"
+
+
+def _differences(layout: LayoutExplanation, moment: Moment, worst: Worst) -> Iterator[str]:
+    """Yields a sentence for each axis on which the conventions of agent and partner differ."""
+    own, other = worst.conventions
+    for axis in AXES.get(layout.layout, ()):
+        if axis.name in moment.differ:
+            yield f"{axis.meaning.capitalize()}: {own[axis.name]} for the agent, {other[axis.name]} for its partner."
 
 
 def _games(found: Explanation, layout: LayoutExplanation, worst: Worst) -> Iterator[str]:

@@ -6,7 +6,7 @@ from typing import Final
 
 from overcooked_bench.evaluation.metric import MetricFacts
 from overcooked_bench.evaluation.scores import Scores
-from overcooked_bench.evaluation.shown.card import card_table
+from overcooked_bench.evaluation.shown.card import card_table, columns_note
 from overcooked_bench.evaluation.shown.comparison import title_of
 from overcooked_bench.evaluation.shown.notes import short_notes
 from overcooked_bench.evaluation.shown.sections.levels_plot import levels_plot
@@ -35,12 +35,15 @@ def headline_section(material: Material) -> Section:
         if scores.settings.report.headlines
         else layouts_table(scores, "report")
     )
-    parts, plots = [*_cards(material)], {}
-    if facts is not None and scores.layouts:
-        plots["headline"] = levels_plot(material, facts)
-        parts += [legend(material.entrants), f'<div class="narrow">{plots["headline"].element()}</div>']
     *said, _ = short_notes(scores, material.around)  # the last one is about the terminal
-    parts += [table.html(), *map(note, said)]
+    parts, plots = [*_cards(material), *map(note, said)], {}
+    if facts is not None and scores.layouts:
+        plots["headline"] = levels_plot(material, facts, legend=True)
+        shown = levels_plot(material, facts).element()
+        parts += [legend(material.entrants), f'<div class="narrow">{shown}</div>']
+    parts.append(table.html())
+    if scores.settings.report.headlines and scores.layouts:
+        parts.append(note(columns_note(scores)))
     return Section("Score", parts, {"score": table}, plots)
 
 

@@ -15,11 +15,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def levels_plot(material: Material, facts: MetricFacts) -> Plot:
-    """Returns the plot of a metric; its first row is the mean over layouts, if all of them were played."""
+def levels_plot(material: Material, facts: MetricFacts, legend: bool = False) -> Plot:
+    """Returns the plot of a metric; its first row is the mean over layouts, if all of them were played.
+
+    Args:
+        material: What to show.
+        facts: The metric.
+        legend: Whether the plot says which marks are whose, as it has to in a file of its own.
+    """
+    rows = len(material.entrants) if legend and len(material.entrants) > 1 else 0
     return Plot(
-        partial(_paint, material=material, facts=facts),
-        (4.6, 0.3 * len(_names(material.scores)) + 0.6),
+        partial(_paint, material=material, facts=facts, legend=rows > 0),
+        (4.6, 0.3 * len(_names(material.scores)) + 0.6 + 0.18 * rows),
         _said(material, facts),
     )
 
@@ -44,7 +51,7 @@ def _said(material: Material, facts: MetricFacts) -> str:
     return f"{title_of(facts)} of " + "; ".join(parts)
 
 
-def _paint(painted: "Figure", material: Material, facts: MetricFacts) -> None:
+def _paint(painted: "Figure", material: Material, facts: MetricFacts, legend: bool) -> None:
     scores, axes = material.scores, painted.subplots()
     names = _names(scores)
     scored = [one for one in material.entrants if not one.reference]
@@ -59,6 +66,9 @@ def _paint(painted: "Figure", material: Material, facts: MetricFacts) -> None:
     axes.grid(axis="x")
     axes.spines["left"].set_visible(False)
     axes.tick_params(axis="y", length=0)
+    if legend:
+        named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))  # each once
+        painted.legend([*named.values()], [*named], loc="outside upper left", fontsize=9)
 
 
 def _offset(one: Entrant, scored: list[Entrant]) -> float:
@@ -72,9 +82,9 @@ def _mark(axes: "Axes", one: Entrant, y: float, row: Row, facts: MetricFacts) ->
     factor = 100 if facts.unit == "share" else 1
     value = factor * row.value
     if one.reference:
-        axes.plot([value, value], [y - 0.36, y + 0.36], color=DIM, linewidth=2)
+        axes.plot([value, value], [y - 0.36, y + 0.36], color=DIM, linewidth=2, label=one.name)
         return
     if row.estimate.interval:
         low, high = (factor * end for end in row.estimate.interval)
         axes.hlines(y, low, high, color=one.colour, linewidth=2.5, alpha=0.6)
-    axes.plot(value, y, marker="o", color=one.colour, markersize=5)
+    axes.plot(value, y, marker="o", linestyle="", color=one.colour, markersize=5, label=one.name)

@@ -9,6 +9,7 @@ import numpy as np
 
 from overcooked_bench.evaluation.metric import MetricFacts
 from overcooked_bench.evaluation.scores import MEAN, Row, Scores
+from overcooked_bench.evaluation.shown.card import STRATA
 from overcooked_bench.evaluation.shown.comparison import title_of
 from overcooked_bench.evaluation.shown.figures import DIM, Plot
 from overcooked_bench.evaluation.shown.sections.section import Material, Section
@@ -35,7 +36,6 @@ p.scale i { display: inline-block; width: 9rem; height: .7rem; margin: 0 .5rem; 
 """
 
 _MAP: Final = "cividis"
-_ORDER: Final = ("own", "other-trainers", "human", "scripted")
 
 
 class _Line(NamedTuple):
@@ -60,7 +60,7 @@ def partners_section(material: Material) -> Section | None:
     plot = Plot(
         partial(_paint, scores=scores, facts=facts, lines=lines, top=top), _size(scores, lines), title_of(facts)
     )
-    parts = [_html(material, facts, lines, top), _scale(facts, top), note(_note(material, facts))]
+    parts = [_html(material, facts, lines, top), _scale(facts, top), note(_note(material, facts, lines))]
     return Section("Partners", parts, {"partners": _table(scores, facts, lines)}, {"partners": plot})
 
 
@@ -73,17 +73,19 @@ def _lines(scores: Scores, facts: MetricFacts) -> list[_Line]:
             if label.counts and row is not None:
                 found.setdefault((label.stratum, name_of(label)), [None] * len(scores.layouts))[index] = row
     lines = [_Line(stratum, name, tuple(rows)) for (stratum, name), rows in found.items()]
-    order = {name: place for place, name in enumerate(_ORDER)}
+    order = {name: place for place, name in enumerate(STRATA)}
     return sorted(lines, key=lambda line: (order.get(line.stratum, len(order)), line.stratum, line.mean, line.name))
 
 
-def _note(material: Material, facts: MetricFacts) -> str:
+def _note(material: Material, facts: MetricFacts, lines: Sequence[_Line]) -> str:
     said = (
-        f"{title_of(facts)} with each partner, strata by strata, the worst partner first; empty where it does not play."
+        f"{title_of(facts)} with each partner, one stratum after the other, the worst partner first; empty where a "
+        "partner does not play."
     )
     if material.reference is not None:
-        said += f" Beside each stratum its own, and below that of {material.reference.agent.name}."
-    return said
+        said += f" Beside the name of a stratum: its own, and below that of {material.reference.agent.name}."
+    known = [STRATA[name] for name in dict.fromkeys(line.stratum for line in lines) if name in STRATA]
+    return said + (f" Strata: {'; '.join(known)}." if known else "")
 
 
 def _html(material: Material, facts: MetricFacts, lines: Sequence[_Line], top: float) -> str:

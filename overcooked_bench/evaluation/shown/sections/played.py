@@ -4,10 +4,12 @@ from collections.abc import Iterator
 from html import escape
 
 from overcooked_bench.evaluation.scores import Scores
+from overcooked_bench.evaluation.shown.cooperation import cooperation_cells_table
 from overcooked_bench.evaluation.shown.notes import notes
 from overcooked_bench.evaluation.shown.sections.section import Material, Section
 from overcooked_bench.evaluation.shown.tables import cells_table, layouts_table, partners_table
 from overcooked_bench.rendering.page import definitions, note
+from overcooked_bench.rendering.table import Table
 
 
 def metrics_section(material: Material) -> Section | None:
@@ -22,10 +24,18 @@ def metrics_section(material: Material) -> Section | None:
 
 def every_partner_section(material: Material) -> Section | None:
     """Lays out each layout's partners, folded away; None if nothing was played."""
-    tables = {layout.layout: cells_table(material.scores, layout) for layout in material.scores.layouts}
-    parts = [f"<details><summary>{escape(name)}</summary>{table.html()}</details>" for name, table in tables.items()]
-    named = {f"partners-on-{name}": table for name, table in tables.items()}
-    return Section("Every partner", parts, named) if tables else None
+    parts: list[str] = []
+    tables: dict[str, Table] = {}
+    for layout in material.scores.layouts:
+        shown = {
+            f"partners-on-{layout.layout}": cells_table(material.scores, layout),
+            f"cooperation-on-{layout.layout}": cooperation_cells_table(material.scores, layout),
+        }
+        known = {name: table for name, table in shown.items() if table is not None}
+        laid = "".join(table.html() for table in known.values())
+        parts.append(f"<details><summary>{escape(layout.layout)}</summary>{laid}</details>")
+        tables |= known
+    return Section("Every partner", parts, tables) if tables else None
 
 
 def notes_section(material: Material) -> Section:

@@ -21,7 +21,7 @@ def seats_section(material: Material) -> Section | None:
         return None
     said = (
         "Seats are numbers of the two chefs. Sides are the parts of a floor that is divided: which one the agent "
-        "starts on decides what it can reach."
+        "starts on decides what it can reach. Points: mean return per episode."
     )
     return Section("Seats and sides", [table.html(), note(said)], {"seats": table})
 
@@ -43,10 +43,11 @@ def _table(material: Material) -> Table | None:
             if any(cell != NONE for cell in cells):
                 rows.append([where, name, *cells])
                 where = ""
-    heads = [Column(title_of(facts), wrap=False) for facts in shown]
+    titles = ["points" if facts.name == MEAN else title_of(facts) for facts in shown]
+    heads = [Column(f"{title} [95 %]", wrap=False) for title in titles]
     if material.reference is not None:
         name = material.reference.agent.name
-        heads += [Column(f"{title_of(facts)}\n{name}", wrap=False) for facts in shown]
+        heads += [Column(f"{name}\n{title}", wrap=False) for title in titles]
     return Table([Column("layout", left=True), Column("agent on", left=True), *heads], rows) if rows else None
 
 

@@ -18,7 +18,7 @@ div.narrow { max-width: 32rem; margin-bottom: 1rem; }
 div.panels { display: grid; gap: .2rem 1.2rem;
   grid-template-columns: repeat(auto-fill, minmax(min(19rem, 100%), 1fr)); }
 div.panels h3 { font-weight: 600; font-size: .95rem; margin: .8rem 0 0; }
-ul.legend { display: flex; flex-wrap: wrap; gap: 0 1.4rem; padding: 0; margin: .3rem 0; list-style: none;
+ul.legend { display: flex; flex-wrap: wrap; gap: 0 1.4rem; padding: 0; margin: .8rem 0 .3rem; list-style: none;
   font-size: .9rem; }
 ul.legend li::before { content: ""; display: inline-block; width: 1.6rem; margin-right: .4rem; vertical-align: .25em;
   border-top: .2rem var(--dash) var(--mark); }
