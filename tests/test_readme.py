@@ -1,6 +1,7 @@
 """What the README and the pages of docs/ show runs as it stands there."""
 
 import re
+import shlex
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -9,6 +10,9 @@ import pytest
 from overcooked_bench import play_episodes, score
 from overcooked_bench.agents import UnknownLayout
 from overcooked_bench.agents.submissions.loading import load_submission
+from overcooked_bench.cli import main
+from tests.evaluation.made import protocol_text
+from tests.leaderboard.made import COMPLETE, edit
 
 ROOT = Path(__file__).parents[1]
 PAGES = {path.name: path.read_text("utf-8") for path in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]}
@@ -21,7 +25,8 @@ SUBMISSIONS = {name: block for name, block in BLOCKS if "def make_agent" in bloc
 NETWORKS = {name: block for name, block in SUBMISSIONS.items() if "torch" in block}
 SIMPLE = {name: block for name, block in SUBMISSIONS.items() if name not in NETWORKS}
 ANALYSES = {name: block for name, block in BLOCKS if "episodes.sqlite" in block}
-SCRIPTS = {name: block for name, block in BLOCKS if name not in SUBMISSIONS and name not in ANALYSES}
+TRAININGS = {name: block for name, block in BLOCKS if ".learn(" in block}
+SCRIPTS = {name: block for name, block in BLOCKS if name not in (*SUBMISSIONS, *ANALYSES, *TRAININGS)}
 
 
 def submission(text, tmp_path):
@@ -92,6 +97,27 @@ def test_an_analysis_finds_the_numbers_of_score_json(text, tmp_path, monkeypatch
         for row in found.select("mean", layout=layout, seat=None):
             if row.partner:
                 assert names["mean"][layout, 0, row.partner] == row.value
+
+
+@pytest.mark.slow
+def test_a_model_is_trained_exported_and_scored_as_the_page_says(tmp_path, monkeypatch):
+    (text,), page = TRAININGS.values(), PAGES["submissions.md"]
+    (commands,) = re.findall(r"```sh\n(overcooked-bench export .*?)```", page, re.DOTALL)
+    less = {"num_envs=64": "num_envs=4", "n_steps=100": "n_steps=16", "batch_size=1600": "batch_size=64"}
+    for long, short in {**less, "2_000_000": "64"}.items():
+        assert long in text
+        text = text.replace(long, short)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "tiny.yaml").write_text(protocol_text())
+    exec(compile(text, "a page", "exec"), {})
+    export, check, played, pack = (shlex.split(line)[1:] for line in commands.splitlines())
+    assert [main(export), main(check)] == [0, 1]
+    filled = {'method: ""': "method: a few steps", "joint_steps: null": "joint_steps: 64 #", **COMPLETE}
+    edit(tmp_path / "my-ppo" / "submission.yaml", filled)
+    assert main(check) == 0
+    assert main([*played, "--protocol", "tiny.yaml", "--workers", "1", "--no-scenarios"]) == 0
+    assert main(pack) == 0
+    assert (tmp_path / "my-ppo.submission.zip").is_file()
 
 
 def test_the_scenario_passes_the_acceptance_checks(tmp_path):

@@ -19,6 +19,7 @@ from overcooked_bench.agents.policies.architecture import (
     narrowed_layer,
 )
 from overcooked_bench.agents.policies.lstm import Lstm
+from overcooked_bench.agents.policies.nature import NatureCnn
 
 if TYPE_CHECKING:
     import torch
@@ -154,7 +155,12 @@ class Cnn(Architecture, frozen=True, kw_only=True, forbid_unknown_fields=True, t
         return images.flatten(1)
 
 
-ARCHITECTURES: Final[dict[str, type[Architecture]]] = {"mlp": Mlp, "cnn": Cnn, "lstm": Lstm}
+ARCHITECTURES: Final[dict[str, type[Architecture]]] = {
+    "mlp": Mlp,
+    "cnn": Cnn,
+    "lstm": Lstm,
+    "nature_cnn": NatureCnn,
+}
 """The value of `architecture` in the JSON file -> its class."""
 
 

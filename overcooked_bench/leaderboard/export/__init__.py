@@ -1,0 +1,1 @@
+"""Turns models of other libraries into submissions, without unpickling anything of them."""
