@@ -7,6 +7,7 @@ from overcooked_bench.commands.common import (
     ProgressBar,
     add_act_timeout,
     add_command,
+    add_isolate,
     add_json,
     add_layouts,
     add_workers,
@@ -40,6 +41,7 @@ def add_explain(commands: Any) -> None:
     add_layouts(parser, "only these layouts of the score")
     add_workers(parser)
     add_act_timeout(parser)
+    add_isolate(parser)
     add_json(parser)
 
 
@@ -59,6 +61,7 @@ def _explain(options: argparse.Namespace) -> int:
             layouts=options.layouts,
             workers=options.workers or default_workers(),
             act_timeout=options.act_timeout,
+            isolate=options.isolate,
             on_progress=tell,
         )
     if reported := (folder / SCORES_FILE).is_file():

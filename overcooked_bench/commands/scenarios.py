@@ -11,6 +11,7 @@ from overcooked_bench.commands.common import (
     add_act_timeout,
     add_command,
     add_group,
+    add_isolate,
     add_json,
     console,
     names,
@@ -82,6 +83,7 @@ def _add_run(commands: Any) -> None:
     parser.add_argument("--film", action="store_true", help="show the last steps of every failed item")
     parser.add_argument("--report", metavar="FILE", help="write the result of every item as JSON")
     add_act_timeout(parser)
+    add_isolate(parser)
     add_json(parser)
 
 
@@ -94,7 +96,7 @@ def _run(options: argparse.Namespace) -> int:
 
     chosen = _items(options)
     settings = {"training_seed": options.training_seed, "warmup": options.warmup}
-    with agent_apart(options.agent, options.mode, options.act_timeout) as call:
+    with agent_apart(options.agent, options.mode, options.act_timeout, options.isolate) as call:
         if options.repeat is not None:
             return _run_once(options, chosen, call)
         with ProgressBar("compiling and loading") as tell:
@@ -188,6 +190,7 @@ def _add_compare(commands: Any) -> None:
     parser.add_argument("--select", metavar="A,B", type=names, help=SELECT)
     _add_playing(parser)
     add_act_timeout(parser)
+    add_isolate(parser)
     add_json(parser)
 
 
@@ -201,7 +204,7 @@ def _compare(options: argparse.Namespace) -> int:
     chosen, played = load_items(options.select), {}
     with ProgressBar("compiling and loading") as tell:
         for agent in options.agents:
-            with agent_apart(agent, options.mode, options.act_timeout) as call:
+            with agent_apart(agent, options.mode, options.act_timeout, options.isolate) as call:
                 results = _play(call, chosen, partial(tell, agent), options.repeats)
             played[agent] = [result.to_dict() for result in results]
     print(json.dumps(played, indent=2) if options.json else agents_table(played).markdown())

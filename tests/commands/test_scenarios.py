@@ -8,6 +8,7 @@ from overcooked_bench.kitchen.layout import layout_names
 from overcooked_bench.scenarios import CATEGORIES
 from overcooked_bench.scenarios.language.loading import load_scenario, read_scenario
 from overcooked_bench.scenarios.language.template import template
+from tests.isolating import isolation_of
 from tests.scenarios.writing import POT, YIELD, edited
 
 POTTER = """
@@ -220,3 +221,19 @@ def test_an_agent_that_ends_its_process_while_it_is_imported(home, capsys):
     (home / "hostile.py").write_text("import os\nos._exit(0)\n")
     assert scenarios("compare", "hostile.py", "--select", "T02-pot.scenario.yaml") == 1
     assert "hostile.py: loading: the worker process ended with exit code 0" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_an_isolated_agent_passes_what_it_passes_here(home, capsys):
+    isolation_of("strong")
+    (home / "potter.py").write_text(POTTER)
+    (home / "hostile.py").write_text(
+        POTTER.replace("    def act(self", "    def act(self, seen):\n        1 / 0\n\n    def x(self")
+    )
+    said = []
+    for more in ((), ("--isolate=strict",)):
+        code = scenarios("run", "T02-pot.scenario.yaml", "--agent", "potter.py", "--json", *more)
+        said.append((code, json.loads(capsys.readouterr().out)))
+    assert said[0] == said[1]
+    assert scenarios("run", "T02-pot.scenario.yaml", "--agent", "hostile.py", "--isolate") == 1
+    assert "act() raised ZeroDivisionError" in capsys.readouterr().err

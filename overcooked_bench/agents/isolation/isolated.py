@@ -183,6 +183,7 @@ def _text(data: bytes) -> str:
 
 def _libraries(path: Path) -> Iterator[str]:
     """Yields the modules that the template imports."""
+    yield "overcooked_bench.kitchen.observations.registry"  # which the names of observations are checked with
     mentioned = imported_by(path)
     yield from (name for name in _LIBRARIES if name in mentioned)
     if "overcooked_bench" in mentioned and any(name in source for source in _sources(path) for name in _PLAYING):

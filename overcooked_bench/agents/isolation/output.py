@@ -24,6 +24,8 @@ class Output:
     def __init__(self, file: int) -> None:
         self._file = file
         self._left = _MOST_SHOWN
+        self._poll = select.poll()
+        self._poll.register(file, select.POLLIN)
         os.set_blocking(file, False)
 
     def wait(self, link: socket.socket, seconds: float) -> bool:
@@ -32,24 +34,25 @@ class Output:
         Returns:
             Whether it has.
         """
-        poll, until = select.poll(), time.monotonic() + seconds
-        poll.register(link, select.POLLIN)
-        if self._file >= 0:
-            poll.register(self._file, select.POLLIN)
-        while True:
-            left = until - time.monotonic()
-            ready = dict(poll.poll(max(0.0, left) * 1000))
-            if self._file in ready and not self._read():
-                poll.unregister(self._file)
-                self.close()
-            if link.fileno() in ready:
-                return True
-            if left <= 0.0:
-                return False
+        number, left, until = link.fileno(), seconds, time.monotonic() + seconds
+        self._poll.register(number, select.POLLIN)
+        try:
+            while True:
+                ready = self._poll.poll(max(0.0, left) * 1000)
+                if any(file == self._file for file, _ in ready) and not self._read():
+                    self.close()
+                if any(file == number for file, _ in ready):
+                    return True
+                left = until - time.monotonic()
+                if left <= 0.0:
+                    return False
+        finally:
+            self._poll.unregister(number)
 
     def close(self) -> None:
         """Reads no more."""
         if self._file >= 0:
+            self._poll.unregister(self._file)
             os.close(self._file)
             self._file = -1
 

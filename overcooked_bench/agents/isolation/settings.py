@@ -56,6 +56,11 @@ class Isolation:
     limits: Limits = Limits()
 
     @property
+    def short(self) -> str:
+        """The level, and why it is weak."""
+        return f"{self.level} ({self.why})" if self.why else self.level
+
+    @property
     def sentence(self) -> str:
         """Says how good the isolation is, for results."""
         if self.level == "strong":

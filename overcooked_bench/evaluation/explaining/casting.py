@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from overcooked_bench.agents.agent import AgentFactory
 from overcooked_bench.agents.catalogue import find
+from overcooked_bench.agents.isolation.settings import Isolation
 from overcooked_bench.agents.mirror import mirrored
 from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.agents.seated import Seated
@@ -52,6 +53,7 @@ class Task:
         layout: Where.
         adapted: Whether the agent was given the mirror image.
         moments: M moments.
+        isolation: How a submission is isolated, or None.
     """
 
     agent: str
@@ -66,6 +68,7 @@ class Task:
     layout: str
     adapted: bool
     moments: tuple[Moment, ...]
+    isolation: Isolation | None = None
 
 
 class Row(NamedTuple):
@@ -146,7 +149,7 @@ def _find(task: Task) -> AgentFactory:
     advice = "name the agent that was scored with --agent"
     try:
         with calling("loading", LOADING):
-            entrant = find(task.agent, mode=task.mode)
+            entrant = find(task.agent, mode=task.mode, isolation=task.isolation)
     except AgentError as error:
         raise WrongUse(f"{error}; {advice}") from error
     if entrant.sha256 != task.agent_sha256:

@@ -1,12 +1,15 @@
 """Explains a score: plays on from moments of its episodes, says why pairs failed, and keeps the worst moments."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from overcooked_bench.agents.agent import Reference
 from overcooked_bench.agents.catalogue import runs_code
+from overcooked_bench.agents.isolation.settings import How
+from overcooked_bench.agents.isolation.settings import isolate as isolated
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.errors import AgentFault, WrongUse
 from overcooked_bench.evaluation.explaining.casting import Task
@@ -50,6 +53,7 @@ def explain(
     layouts: Sequence[str] | None = None,
     workers: int = 1,
     act_timeout: float = ACT_TIMEOUT,
+    isolate: How | None = None,
     moments: int = MOMENTS,
     on_progress: Callable[[str, int, int], object] = lambda layout, done, of: None,
 ) -> Explained:
@@ -66,12 +70,14 @@ def explain(
         layouts: Only these layouts of the score.
         workers: Number of processes; layouts are shared out among them.
         act_timeout: Seconds that one call of a submission's `act` may take.
+        isolate: How a submission is isolated, as for `score`.
         moments: Moments on each layout.
         on_progress: Called after each layout with its name, how many are done, and how many there are.
 
     Raises:
         WrongUse: There is no such score, agent, pool or layout, or they are not those of the score.
         AgentFault: The agent broke the contract.
+        IsolationError: The submission cannot be isolated as it should be.
 
     Example:
         ```python
@@ -86,9 +92,12 @@ def explain(
         facts, settings = store.facts, read_settings(store)
         tasks = _tasks(store, settings.play, agent, pool, layouts, moments)
     untrusted, most = runs_code(tasks[0].agent), max(1, min(workers, len(tasks)))
+    isolation = isolated(isolate, act_timeout) if isolate and untrusted else None
+    tasks = [replace(task, isolation=isolation) for task in tasks]
+    patience = act_timeout if isolation is None else None
     found: dict[str, Found] = {}
     with open_engine("local", most, apart=untrusted) as engine:
-        for one in engine.map(explain_layout, tasks, _lost, act_timeout):
+        for one in engine.map(explain_layout, tasks, _lost, patience):
             found[one.explanation.layout] = one
             on_progress(one.explanation.layout, len(found), len(tasks))
     ordered = [found[layout] for layout in settings.play.layouts if layout in found]

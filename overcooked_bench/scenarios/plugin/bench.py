@@ -11,6 +11,7 @@ import pytest
 
 from overcooked_bench.agents.agent import AgentFactory, UnknownLayout
 from overcooked_bench.agents.catalogue import find
+from overcooked_bench.agents.isolation.settings import isolate
 from overcooked_bench.errors import OvercookedBenchError
 from overcooked_bench.files import read_text
 from overcooked_bench.scenarios.errors import ScenarioError
@@ -22,6 +23,8 @@ from overcooked_bench.scenarios.shown.comparing import MOST_BYTES, read_report
 if TYPE_CHECKING:
     from overcooked_bench.agents.policies.neural import Mode
 
+ACT_TIMEOUT: Final = 60.0
+"""Seconds that one call of an isolated agent's `act` may take."""
 _FIRST_LAYOUT: Final = "cramped_room"
 
 
@@ -39,6 +42,7 @@ class Bench:
         known: Reasons for known failures, by item id or pattern.
         baseline: The items of an older report.
         report: Where to write one.
+        isolated: How well the agent is isolated, or None.
     """
 
     agent: str
@@ -50,12 +54,14 @@ class Bench:
     known: dict[str, str]
     baseline: list[dict[str, Any]] | None
     report: Path | None
+    isolated: str | None = None
     _outcomes: dict[str, ItemResult | Exception] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
         """Describes the tested agent and the settings."""
-        return f"{self.agent}, mode {self.mode}, {self.repeats} repeats"
+        apart = "" if self.isolated is None else f", isolation {self.isolated}"
+        return f"{self.agent}, mode {self.mode}, {self.repeats} repeats{apart}"
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -117,7 +123,8 @@ def open_bench(config: pytest.Config) -> Bench:
     if option.ocb_fuzz is not None:
         _check_fuzz(option.ocb_fuzz)
     try:
-        make_agent = find(option.ocb_agent, mode=option.ocb_mode).make
+        isolation = isolate(option.ocb_isolate, ACT_TIMEOUT) if option.ocb_isolate else None
+        make_agent = find(option.ocb_agent, mode=option.ocb_mode, isolation=isolation).make
         if not hasattr(config, "workerinput"):
             _try(make_agent, option.ocb_agent_training_seed)
         known = read_known(option.ocb_known_failures) if option.ocb_known_failures else {}
@@ -134,6 +141,7 @@ def open_bench(config: pytest.Config) -> Bench:
         known=known,
         baseline=baseline,
         report=Path(option.ocb_scenario_report) if option.ocb_scenario_report else None,
+        isolated=isolation.short if isolation else None,
     )
 
 

@@ -47,6 +47,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     option(
         "--agent-warmup", metavar="N", type=int, default=0, help="first observations to show beforehand (default: 0)"
     )
+    option(
+        "--isolate",
+        nargs="?",
+        const="best",
+        choices=("best", "strict"),
+        help="play a submission in processes of its own, in a sandbox of bubblewrap if there is one, or insist on that",
+    )
     option("--category", metavar="A,B", action="append", help="only scenarios of these categories")
     option("--known-failures", metavar="FILE", help="ids of items that are expected to fail, one per line")
     option("--scenario-report", metavar="FILE", help="write the result of every item as JSON")

@@ -17,6 +17,7 @@ from overcooked_bench.scenarios.items import load_items
 from overcooked_bench.scenarios.runner import run_scenarios
 from tests.evaluation.explaining.conftest import HABITS, LAYOUT
 from tests.evaluation.made import protocol_text, score, write_agent
+from tests.isolating import isolation_of
 
 pytestmark = pytest.mark.slow
 
@@ -217,3 +218,11 @@ def test_the_two_policies_reach_soups_alone():
     for name in ("sp-0", "sp-4"):
         pair = tuple(load_agent(f"dev-v1/{LAYOUT}/{name}", LAYOUT) for _ in range(2))
         assert play_episodes(LAYOUT, pair, episodes=20).soup_reward.mean() > 100
+
+
+def test_an_isolated_submission_is_explained_in_the_same_words(rules, strangers, tmp_path):
+    isolation_of("strong")
+    agent = write_agent(tmp_path / "mine.py")
+    folder = score(agent, rules, pool=strangers, output=tmp_path / "out", isolate="strict").folder
+    apart = explain(folder, agent=agent, pool=strangers, moments=2, isolate="strict")
+    assert apart.explanation == explain(folder, agent=agent, pool=strangers, moments=2).explanation

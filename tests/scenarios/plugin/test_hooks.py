@@ -21,6 +21,7 @@ from overcooked_bench.scenarios.runner import run_items
 from overcooked_bench.scenarios.shown import explaining
 from overcooked_bench.scenarios.solving import fuzzing  # noqa: F401
 from overcooked_bench.scenarios.solving.solver import solve
+from tests.isolating import isolation_of
 from tests.scenarios.players import player
 from tests.scenarios.writing import POT, YIELD, edited, scenario
 
@@ -299,6 +300,15 @@ def test_a_module_binds_scenarios_and_a_pair_is_one_item(kitchens):
     kitchens.makepyfile(test_mine=(kitchens.path / "test_mine.py").read_text().replace("T08-a", "T09"))
     done = run(kitchens, "test_mine.py")
     done.stdout.fnmatch_lines(["*T09.scenario.yaml: cannot be read*"])
+
+
+@pytest.mark.slow
+def test_an_isolated_agent_fails_the_same_scenarios(kitchens):
+    level = isolation_of("strong").level
+    isolated = ["--agent", "mine.py", "--isolate=strict", "--repeats", "2"]
+    done = run(kitchens, *isolated)
+    done.assert_outcomes(passed=4, failed=4)
+    done.stdout.fnmatch_lines([f"scenarios: mine.py, mode sample, 2 repeats, isolation {level}"])
 
 
 @pytest.mark.slow
