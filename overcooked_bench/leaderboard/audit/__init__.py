@@ -1,0 +1,1 @@
+"""Audits of results: what was checked, what was found, and what standing follows."""
