@@ -119,10 +119,15 @@ class _Chosen(msgspec.Struct):
     chosen: list[int]
 
 
-def train(config: Config, place: Place) -> Outcome | None:
+def train(config: Config, place: Place, finals: int = 2) -> Outcome | None:
     """Trains the population and the finals; the outcome is the first final's, `final-1` is trained without initials.
 
     See `run` for errors. Each agent has its own folder under `output`.
+
+    Args:
+        config: What to train.
+        place: Where.
+        finals: 1 leaves out `final-1`.
     """
     try:
         development = partner_names((config.development,), config)
@@ -157,20 +162,20 @@ def train(config: Config, place: Place) -> Outcome | None:
         loss_coefficient=0.0,
         loss_clip=0.0,
     )
-    finals = []
-    for k, partners in enumerate((members, members[len(chosen) :] or members)):
+    ended = []
+    for k, partners in enumerate((members, members[len(chosen) :] or members)[:finals]):
         final = _against(partners, longer, place.part(f"final-{k}", f"final {k}"))
         if final is None:
             return None
-        finals.append(final)
-    for ours, theirs in zip(policy_files(output / POLICY), finals[0].files, strict=True):
+        ended.append(final)
+    for ours, theirs in zip(policy_files(output / POLICY), ended[0].files, strict=True):
         ours.write_bytes(theirs.read_bytes())
-    with_partners = returns_with(finals[0].files, members, config, max(1, 50 // len(members)))
+    with_partners = returns_with(ended[0].files, members, config, max(1, 50 // len(members)))
     return replace(
-        finals[0],
+        ended[0],
         files=policy_files(output / POLICY),
         with_partners=with_partners,
-        parts=(*candidates, *grown, finals[1]),
+        parts=(*candidates, *grown, *ended[1:]),
     )
 
 

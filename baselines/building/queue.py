@@ -13,10 +13,11 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, field
+from functools import partial
 from multiprocessing.connection import wait
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Protocol, TypeVar
 
 from overcooked_bench.agents.pools.manifest import PoolError
 from overcooked_bench.processes import follow_parent, hold_stops, listen, start_process
@@ -33,7 +34,7 @@ Report = Callable[[str], None]
 
 @dataclass
 class Result:
-    """What became of the runs.
+    """What became of the runs, or of other jobs.
 
     Attributes:
         finished: Names of those that are in the pool now.
@@ -62,6 +63,17 @@ class Result:
         )
 
 
+class Job(Protocol):
+    """What one process does."""
+
+    @property
+    def path(self) -> str:
+        """Its name, and its folder below that of all jobs."""
+
+
+AnyJob = TypeVar("AnyJob", bound=Job)
+
+
 def build(
     wanted: Sequence[Run],
     home: Path,
@@ -80,25 +92,67 @@ def build(
         display: Shows how far they are.
         every: Joint steps between checkpoints of a run.
     """
-    result, left = Result(), deque(wanted)
-    running: dict[Any, tuple[Run, SpawnProcess]] = {}
-    shown = display or Display(0)
     target = (lambda run: pool) if isinstance(pool, Path) else pool
+
+    def settle(run: Run, folder: Path, say: Report) -> bool:
+        try:
+            records = publish(run, folder, target(run))
+        except (PoolBuildError, PoolError) as error:
+            say(f"{run.path}: not put into the pool ({error})")
+            with (folder / LOG).open("a", encoding="utf-8") as log:
+                print(f"not put into the pool: {error}", file=log)
+            return False
+        for record in records:
+            own = record.trained.self_play
+            say(
+                f"{run.layout} {record.name}: {own.mean:.0f} [{own.low:.0f}, {own.high:.0f}] points with itself after "
+                f"{record.trained.steps:,} steps"
+            )
+        return True
+
+    return work_off(wanted, home, workers, partial(train_run, every=every), settle, AGENTS_FILE, display)
+
+
+def work_off(
+    jobs: Sequence[AnyJob],
+    home: Path,
+    workers: int,
+    do: Callable[[AnyJob, Path], bool],
+    settle: Callable[[AnyJob, Path, Report], bool],
+    finished: str,
+    display: "Display | None" = None,
+) -> Result:
+    """Does jobs side by side, each in a process and a folder of its own.
+
+    Args:
+        jobs: What to do, in this order; they travel to processes.
+        home: The jobs' folders are below it.
+        workers: Jobs at the same time.
+        do: Does a job in its folder, or goes on with it, in a process; importable by name. Returns whether it is
+            finished, False where it was stopped and saved.
+        settle: Called here with each finished job, its folder, and a function that prints a line; returns whether all
+            is well.
+        finished: A file that a finished job has in its folder: no process needs to see to it.
+        display: Shows how far they are.
+    """
+    result, left = Result(), deque(jobs)
+    running: dict[Any, tuple[AnyJob, SpawnProcess]] = {}
+    shown = display or Display(0)
     while running or (left and not result.stopped):
         try:
             while left and len(running) < workers and not result.stopped:
-                run = left.popleft()
-                if (home / run.path / AGENTS_FILE).exists():  # finished before; no process needs to see to it
-                    _settle(run, _DONE, home / run.path, target(run), result, shown.say)
+                job = left.popleft()
+                if (home / job.path / finished).exists():
+                    _settle(job, _DONE, home / job.path, settle, result, shown.say)
                     continue
                 with hold_stops():  # until it is known whom to pass Ctrl-C on to
-                    process = start_process(_work, run, home / run.path, every, name=run.path)
-                    running[process.sentinel] = run, process
+                    process = start_process(_work, do, job, home / job.path, name=job.path)
+                    running[process.sentinel] = job, process
             for sentinel in wait(list(running), timeout=1.0):
-                run, process = running.pop(sentinel)
+                job, process = running.pop(sentinel)
                 process.join()
-                _settle(run, process.exitcode, home / run.path, target(run), result, shown.say)
-            shown.update(len(result.finished), {r.path: _last_line(home / r.path / LOG) for r, _ in running.values()})
+                _settle(job, process.exitcode, home / job.path, settle, result, shown.say)
+            shown.update(len(result.finished), {j.path: _last_line(home / j.path / LOG) for j, _ in running.values()})
         except KeyboardInterrupt:
             _stop([process for _, process in running.values()], at_once=result.stopped)
             if not result.stopped:
@@ -107,35 +161,28 @@ def build(
     return result
 
 
-def _settle(run: Run, code: int | None, folder: Path, pool: Path, result: Result, say: Report) -> None:
+def _settle(
+    job: AnyJob,
+    code: int | None,
+    folder: Path,
+    settle: Callable[[AnyJob, Path, Report], bool],
+    result: Result,
+    say: Report,
+) -> None:
     if code == _DONE:
-        try:
-            records = publish(run, folder, pool)
-        except (PoolBuildError, PoolError) as error:
-            say(f"{run.path}: not put into the pool ({error})")
-            with (folder / LOG).open("a", encoding="utf-8") as log:
-                print(f"not put into the pool: {error}", file=log)
-            result.failed.append(run.path)
-            return
-        for record in records:
-            own = record.trained.self_play
-            say(
-                f"{run.layout} {record.name}: {own.mean:.0f} [{own.low:.0f}, {own.high:.0f}] points with itself after "
-                f"{record.trained.steps:,} steps"
-            )
-        result.finished.append(run.path)
+        (result.finished if settle(job, folder, say) else result.failed).append(job.path)
     elif code == _TAKEN:
-        say(f"{run.path}: another build is at it")
-        result.taken.append(run.path)
+        say(f"{job.path}: another build is at it")
+        result.taken.append(job.path)
     elif code in (_STOPPED, -signal.SIGINT):  # the latter before it could save, or had to
         result.stopped = True
     else:
-        say(f"{run.path}: failed ({_last_line(folder / LOG)})")
-        result.failed.append(run.path)
+        say(f"{job.path}: failed ({_last_line(folder / LOG)})")
+        result.failed.append(job.path)
 
 
-def _work(run: Run, folder: Path, every: int) -> None:
-    """What the process of a run does."""
+def _work(do: Callable[[AnyJob, Path], bool], job: AnyJob, folder: Path) -> None:
+    """What the process of a job does."""
     follow_parent(signal.SIGINT)
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / LOG).open("a", encoding="utf-8") as log:
@@ -146,7 +193,7 @@ def _work(run: Run, folder: Path, every: int) -> None:
         with locked(folder, wait=False) as ours:
             code = _TAKEN
             if ours:
-                code = _DONE if train_run(run, folder, every) else _STOPPED
+                code = _DONE if do(job, folder) else _STOPPED
     except KeyboardInterrupt:
         code = _STOPPED
     except Exception:

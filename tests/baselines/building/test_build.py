@@ -309,7 +309,7 @@ def test_a_population_enters_with_the_steps_of_its_agent(tmp_path):
 @pytest.mark.slow
 def test_ctrl_c_while_a_run_still_loads_stops_it(tmp_path):
     (run,) = pool_config(tmp_path, group(overrides={**OVERRIDES, "steps": 10_000 * UPDATE})).runs()
-    process = start_process(queue._work, run, tmp_path / "run", 10**9, name="run")
+    process = start_process(queue._work, build.train_run, run, tmp_path / "run", name="run")
     queue._stop([process], at_once=False)
     process.join(120)
     assert process.exitcode == 130

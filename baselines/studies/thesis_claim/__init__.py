@@ -1,0 +1,1 @@
+"""The study of the thesis's claim that a diverse population cooperates with more strangers than self-play."""
