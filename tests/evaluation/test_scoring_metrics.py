@@ -4,6 +4,8 @@ from itertools import product
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from overcooked_bench.evaluation.cells import Cells, PartnerLabel, SideBound
 from overcooked_bench.evaluation.metric import find_metrics
@@ -75,6 +77,29 @@ def test_a_partner_counts_half_from_each_side():
     assert values(found, "n", seat=0) == {(0,): pytest.approx((0.5 + 0.6) / 2), (1,): pytest.approx((1.0 + 0.2) / 2)}
     (row,) = [row for row in found if row.partner == "a"]
     assert row.per_repetition == pytest.approx([(0.5 + 0.2) / 2, (1.0 + 0.6) / 2])
+
+
+@given(st.integers(0, 2**32), st.integers(2, 12))
+def test_a_run_alone_has_the_n_that_it_has_among_others(seed, episodes):
+    """By seat, too, where start states are not on both sides alike; the mean over blocks is N, and they vary."""
+    rng = np.random.default_rng(seed)
+    partners = [label("a", bounds=((20, 120), (0, 50))), label("b", "human", bounds=((0, 100), (10, 60)))]
+    sides = rng.integers(0, 2, (1, 2, episodes, 1)) ^ np.array([0, 1])
+    returns = 20.0 * rng.integers(0, 6, sides.shape)
+    alone = rows(cells(returns, partners, sides), "n", "h50", "worst_third")
+    twice = rows(
+        cells(np.tile(returns, (2, 1, 1, 1)), partners, np.tile(sides, (2, 1, 1, 1))), "n", "h50", "worst_third"
+    )
+    assert {row.about: row.value for row in alone} == pytest.approx({row.about: row.value for row in twice})
+    for row in alone:
+        assert np.mean(row.per_repetition) == pytest.approx(row.value, abs=1e-9)
+
+
+def test_the_sides_of_a_seat_count_the_same_however_often_they_are_played():
+    """From side 0, in three of ten start states, nothing of a hundred points; from side 1 all of them."""
+    sides = np.array([[0, 1]] * 3 + [[1, 0]] * 7)[None, None]
+    found = rows(cells(100.0 * sides, [label("a", bounds=((0, 100), (0, 100)))], sides), "n")
+    assert values(found, "n", seat=0) == {(0,): pytest.approx(0.5), (1,): pytest.approx(0.5)}
 
 
 def test_n_has_no_side_where_a_start_state_has_both_seats_on_one():

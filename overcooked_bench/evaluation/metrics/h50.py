@@ -7,16 +7,14 @@ from numpy.typing import NDArray
 
 from overcooked_bench.evaluation.cells import Cells
 from overcooked_bench.evaluation.metric import Metric, MetricFacts
-from overcooked_bench.evaluation.metrics.n import of_partners as n_of_partners
+from overcooked_bench.evaluation.metrics.n import of_runs
 
 HALF: Final = 0.5
 
 
 def of_partners(cells: Cells) -> NDArray[np.float64]:
     """Returns (S, P), 1 for each partner that a training seed works with, else 0; (0, P) without bounds."""
-    values = n_of_partners(cells)
-    runs = values if len(cells.returns) > 1 or not len(values) else values.mean(axis=0, keepdims=True)
-    return np.asarray(runs >= HALF, np.float64)
+    return np.asarray(of_runs(cells) >= HALF, np.float64)
 
 
 def per_repetition(cells: Cells) -> NDArray[np.float64]:

@@ -14,20 +14,42 @@ from overcooked_bench.evaluation.metric import Metric, MetricFacts
 from overcooked_bench.evaluation.pools.normalised import normalised, side_means
 
 
+def of_runs(cells: Cells) -> NDArray[np.float64]:
+    """Returns (S, P) N of each training seed with each partner, the mean of its sides; (0, P) without bounds."""
+    return _of_means(cells, side_means(cells.returns, cells.sides))
+
+
 def of_partners(cells: Cells) -> NDArray[np.float64]:
-    """Returns (R, P) N with each partner, the mean of its sides; (0, P) if the pool has no bounds."""
-    if any(label.bounds is None for label in cells.partners):
-        return np.empty((0, len(cells.partners)))
-    returns, sides = cells.returns, cells.sides
-    if len(returns) == 1:  # episode blocks are the repetitions
-        returns, sides = (np.moveaxis(array[0], 1, 0)[:, :, None] for array in (returns, sides))
-    values = normalised(side_means(returns, sides), cells.partners)
-    return np.asarray(np.nanmean(values, axis=2))
+    """Returns (R, P) N with each partner, of each training seed, or of each episode block of the only one.
+
+    A block may lack a side, as those of a single seat do. So the mean over blocks is the N of the whole run, and a
+    block differs from it by what its episodes add to the means of their sides.
+
+    Source: Cochran 1977, "Sampling Techniques", 6.4 (the linear form of a ratio).
+    """
+    return of_runs(cells) if len(cells.returns) > 1 else _of_means(cells, _block_means(cells))
 
 
 def per_repetition(cells: Cells) -> NDArray[np.float64]:
-    """Returns the N of each training seed, or of each episode block of the only one."""
+    """Returns the N of each training seed, or of each episode block of the only one; see `of_partners`."""
     return of_partners(cells) @ cells.shares
+
+
+def _of_means(cells: Cells, means: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns N from (R, P, sides) mean returns."""
+    if any(label.bounds is None for label in cells.partners):
+        return np.empty((0, len(cells.partners)))
+    return np.asarray(np.nanmean(normalised(means, cells.partners), axis=2))
+
+
+def _block_means(cells: Cells) -> NDArray[np.float64]:
+    """Returns (E, P, sides) mean returns of the only run's blocks, of which the mean is that of all its episodes."""
+    returns, sides = cells.returns[0], cells.sides[0]
+    means = side_means(cells.returns, cells.sides)[0][:, None]
+    there = sides[..., None] == np.arange(means.shape[-1])
+    number = there.sum(axis=2)
+    added = (returns[..., None] * there).sum(axis=2) - number * means
+    return np.moveaxis(means + added / np.maximum(1e-9, number.mean(axis=1, keepdims=True)), 1, 0)
 
 
 def rounding(cells: Cells) -> float:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from overcooked_bench.evaluation.cells import Cells
 from overcooked_bench.evaluation.metric import Metric, MetricFacts
-from overcooked_bench.evaluation.metrics.n import of_partners
+from overcooked_bench.evaluation.metrics.n import of_runs
 from overcooked_bench.evaluation.statistics import weighted_tail
 
 PART: Final = 1 / 3
@@ -15,10 +15,8 @@ PART: Final = 1 / 3
 
 def per_repetition(cells: Cells) -> NDArray[np.float64]:
     """Returns each training seed's mean over its own worst partners; (0,) without bounds."""
-    values = of_partners(cells)
-    if not len(values):
-        return np.empty(0)
-    return weighted_tail(values if len(cells.returns) > 1 else values.mean(axis=0, keepdims=True), cells.shares, PART)
+    values = of_runs(cells)
+    return weighted_tail(values, cells.shares, PART) if len(values) else np.empty(0)
 
 
 METRIC: Final = Metric(
