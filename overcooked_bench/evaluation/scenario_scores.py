@@ -217,11 +217,11 @@ def _category(name: str, by_seed: Sequence[_Shares]) -> CategoryScore:
     own = [[share for (_, category), share in some.items() if name in (category, TOTAL)] for some in by_seed]
     tried = [[share for share in some if share is not None] for some in own]
     runs = len(by_seed)
-    shares = [sum(some) / len(some) if some else 0.0 for some in tried]
+    shares = [sum(some) / len(some) for some in tried if some]
     return CategoryScore(
         category=name,
         attempted=sum(map(len, tried)) / runs,
         passed=sum(map(sum, tried)) / runs,
         not_attempted=sum(len(some) - len(left) for some, left in zip(own, tried, strict=True)) / runs,
-        share=t_interval(shares, 0, 1),
+        share=t_interval(shares, 0, 1) if shares else None,
     )

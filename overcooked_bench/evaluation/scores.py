@@ -153,15 +153,15 @@ class CategoryScore(msgspec.Struct, frozen=True):
         attempted: Scenarios that the agent attempted: it plays their kitchen.
         passed: How many of them it passed; one of which it passes a part of the situations counts in part.
         not_attempted: Scenarios in kitchens that it declines.
-        share: Share of the attempted ones that were passed. With several training seeds t over them; one training run
-            has no interval. In scores before schema 3 it is the mean over families.
+        share: Share of the attempted ones that were passed; null if none was. With several training seeds t over those
+            that attempted some; one training run has no interval. Before schema 3 it is the mean over families.
     """
 
     category: str
     attempted: float
     passed: float
     not_attempted: float
-    share: Estimate
+    share: Estimate | None
 
 
 class ScenarioScore(msgspec.Struct, frozen=True, omit_defaults=True):

@@ -7,12 +7,12 @@ import pytest
 from rich.console import Console
 
 from overcooked_bench.cli import main
-from overcooked_bench.estimate import t_interval
+from overcooked_bench.estimate import Estimate, t_interval
 from overcooked_bench.evaluation.protocol import read_protocol
 from overcooked_bench.evaluation.scenario_scores import profile, suite_sha256
 from overcooked_bench.evaluation.score import score
 from overcooked_bench.evaluation.scores import read_scores
-from overcooked_bench.evaluation.shown.tables import count_text
+from overcooked_bench.evaluation.shown.tables import count_text, scenarios_table
 from overcooked_bench.evaluation.shown.terminal import score_tables
 from tests.evaluation.made import protocol_text
 
@@ -91,6 +91,22 @@ def test_a_scenario_is_one_unit_and_what_was_not_attempted_is_apart():
     assert (partner.attempted, partner.passed, partner.share.value) == (2, 1, 0.5)
     assert (card.total.attempted, card.total.passed) == (3, 1.75)
     assert (card.suite.sha256, card.counted) == (suite_sha256(), "scenarios")
+
+
+def test_nothing_attempted_is_no_share_and_such_a_seed_enters_no_mean():
+    runs = [
+        [record("A01", "not attempted"), record("B01", status, "partner")] for status in ("not attempted", "passed")
+    ]
+    card = profile(runs)
+    state, partner = card.categories
+    assert (state.attempted, state.share) == (0, None)
+    assert (partner.attempted, tuple(partner.share)) == (0.5, (1, None, None))
+    assert card.total.share == Estimate(1)
+    table = scenarios_table(card)
+    assert [[str(cell) for cell in row] for row in table.rows] == [
+        ["state", "0", "0", "-", "1"],
+        ["partner", "0.5", "0.5", "1.00", "0.5"],
+    ]
 
 
 def test_the_interval_of_a_method_is_over_its_seeds():

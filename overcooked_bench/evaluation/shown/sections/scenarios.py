@@ -25,7 +25,8 @@ def _beside(scenarios: ScenarioScore, reference: ScenarioScore, material: Materi
     """Adds the shares of the reference agent."""
     table = scenarios_table(scenarios)
     assert material.reference is not None
-    shares = {one.category: f"{one.share.value:.2f}" for one in (*reference.categories, reference.total)}
+    known = (*reference.categories, reference.total)
+    shares = {one.category: f"{one.share.value:.2f}" for one in known if one.share}
 
     def wider(rows: "list[list[Cell]]") -> list[list[Cell]]:
         return [[*row, shares.get(str(row[0]), NONE)] for row in rows]
