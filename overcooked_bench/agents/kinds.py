@@ -8,7 +8,7 @@ import json
 import os
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -54,6 +54,7 @@ class Entrant:
             have one and take any.
         layout: The only layout that it plays, or None.
         origin: Where it comes from; None if nobody says, as a submission without `CODEBASE` and `PEOPLE`.
+        policies: Layout -> hashes of the policies that it plays there, where it is made of several.
     """
 
     reference: str
@@ -64,6 +65,7 @@ class Entrant:
     training_seeds: int = 1
     layout: str | None = None
     origin: Origin | None = None
+    policies: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 class Kind(NamedTuple):
@@ -212,7 +214,10 @@ def _pool_agents(reference: Reference, mode: "Mode") -> Entrant:
 
     sha256 = hashlib.sha256(whole.encode()).hexdigest()
     origin = origin_of(found.values())
-    return Entrant(_anywhere(name, pool), f"{pool.name}-{agent}", "pool agents", sha256, make, origin=origin)
+    policies = {layout: (one.sha256,) for layout, one in found.items()}
+    return Entrant(
+        *(_anywhere(name, pool), f"{pool.name}-{agent}", "pool agents", sha256, make), origin=origin, policies=policies
+    )
 
 
 def _entry(reference: Reference, mode: "Mode") -> Entrant:
@@ -231,7 +236,8 @@ def _entry(reference: Reference, mode: "Mode") -> Entrant:
 
     sha256 = hashlib.sha256(whole.encode()).hexdigest()
     origin = origin_of(run for runs in entry.runs.values() for run in runs)
-    return Entrant(name, name, "entry", sha256, make, training_seeds=seeds, origin=origin)
+    policies = {layout: tuple(run.sha256 for run in runs) for layout, runs in entry.runs.items()}
+    return Entrant(name, name, "entry", sha256, make, training_seeds=seeds, origin=origin, policies=policies)
 
 
 def _frozen(policy: "Policy", name: str, mode: "Mode") -> AgentFactory:

@@ -51,7 +51,7 @@ class PartnerLabel(msgspec.Struct, frozen=True, omit_defaults=True):
         sha256: Hash of what it is.
         stratum: Its origin, as the pool says it; the kind if the pool does not.
         convention: Equal for partners that go together; None if nobody has grouped them.
-        is_ego: Whether it is the scored agent itself.
+        is_ego: Whether it is the scored agent itself, or one of its training runs.
         weight: Its share of its stratum's weight; None if all partners weigh the same.
         bounds: What can be reached with it, by side; None if the pool does not say.
         home: Whether the scored agent is at home with it, see `lineage.at_home`; None if nobody knows.
@@ -291,11 +291,12 @@ def _labels(store: Store, layout: str, rows: Iterable[Episode]) -> tuple[Partner
     try:
         found: dict[str, PartnerLabel] = {}
         for row in rows:
+            said = known.get(row.partner) or PartnerLabel(row.partner, "", "", row.kind)
             label = msgspec.structs.replace(
-                known.get(row.partner) or PartnerLabel(row.partner, "", "", row.kind),
+                said,
                 kind=row.kind,
                 sha256=row.partner_sha256,
-                is_ego=row.partner_sha256 == store.facts.get("agent"),
+                is_ego=said.is_ego or row.partner_sha256 == store.facts.get("agent"),
             )
             if found.setdefault(row.partner, label) != label:
                 raise ValueError(f"{row.cell} is another partner than before: {label.kind}, {label.sha256}")

@@ -97,12 +97,12 @@ def score(
         output: The folder; `scores/<agent>-<protocol>` by default.
         workers: Number of processes.
         engine: "local", "dask" or "ray".
-        seed: Other start states and random streams; scores that are to be compared use 0.
+        seed: Other start states and random streams; scores that are to be compared use 0, and no other one ranks.
         salt: Replaces the protocol's public salt in every start state, random stream and order of rows; "fresh" draws
             one, or continues with the one that was drawn for the folder. Official runs use a fresh one, so that a
-            submission cannot compute who its partners are.
+            submission cannot compute who its partners are; with another one a score is not ranked.
         act_timeout: Seconds that one call of a submission's `act` may take, for a whole batch of episodes; a slower one
-            is a fault of the agent. Engine "local" only, unless it is isolated.
+            is a fault of the agent.
         isolate: "best" plays a submission in processes of its own that see observations and return actions, in a
             sandbox of bubblewrap where there is one; "strict" insists on that. `Scores.run` says how good it was.
         scenarios: Whether to play the cooperation scenarios as well, which takes seconds.
@@ -266,6 +266,7 @@ def _labels(pool: Pool, layout: str, entrant: Entrant, play: Play) -> list[Partn
             weight=one.entry.weight,
             bounds=tuple(SideBound(b.side, b.floor, b.ceiling) for b in one.entry.bounds or ()) or None,
             home=entrant.origin and at_home(entrant.origin.codebase, entrant.origin.people, one.entry),
+            is_ego=one.sha256 in (entrant.sha256, *entrant.policies.get(layout, ())),
         )
         for one in roster(pool, layout, play.per_stratum)
     ]

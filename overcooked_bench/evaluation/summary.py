@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from overcooked_bench.evaluation.cells import Cells, read_cells
 from overcooked_bench.evaluation.conduct import CONDUCT, count_conduct
-from overcooked_bench.evaluation.estimators import FEWEST_RUNS
 from overcooked_bench.evaluation.games.replayed import check_returns, read_settings
 from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.evaluation.metric import Figured, Metric, Params, Slice, chosen_metrics
 from overcooked_bench.evaluation.protocol import Protocol, Report
+from overcooked_bench.evaluation.ranking import different_runs, why_unranked
 from overcooked_bench.evaluation.scores import (
     EPISODES_FILE,
     SCHEMA,
@@ -69,6 +69,11 @@ def summarise(
     found = read_cells(store, finished, training_seeds, play.episodes, play.seats, count)
     cells, missing = list(found.values()), _missing(rules, finished, declined)
     rows = compute_rows(cells, metrics, rules.report, overall=missing is None)
+    interval = describe_interval(training_seeds, play.episodes, rules.report)
+    different = different_runs(store, found.keys()) if cells and training_seeds > 1 else training_seeds
+    if different < training_seeds:
+        rows = tuple(msgspec.structs.replace(row, low=None, high=None, error=None) for row in rows)
+        interval = f"No intervals: {different} of {training_seeds} training runs differ, the others are copies."
     pool = facts.get("pool", "none")
     scores = Scores(
         schema=SCHEMA,
@@ -79,9 +84,9 @@ def summarise(
         seed=int(facts.get("seed", "0")),
         salt=facts.get("salt", play.salt),
         training_seeds=training_seeds,
-        interval=describe_interval(training_seeds, play.episodes, rules.report),
+        interval=interval,
         overall=None,
-        unranked=missing or _unranked(rules, training_seeds),
+        unranked=missing,
         layouts=tuple(layout_facts(one, one.layout in adapted) for one in cells),
         declined=tuple(declined),
         faults=tuple(faults),
@@ -91,7 +96,8 @@ def summarise(
         run=dict(run or {}),
     )
     first = scores.find(scores.headline)
-    return msgspec.structs.replace(scores, overall=first and first.estimate)
+    unranked = missing or why_unranked(scores, different)
+    return msgspec.structs.replace(scores, overall=first and first.estimate, unranked=unranked)
 
 
 def recompute(source: str | Path, report: Report | None = None) -> Scores:
@@ -193,15 +199,6 @@ def _missing(rules: Protocol, finished: Sequence[str], declined: Sequence[Declin
     parts = [f"{', '.join(refused)} declined"] if refused else []
     parts += [f"{', '.join(others)} not played to the end"] if others else []
     return "; ".join(parts) or None
-
-
-def _unranked(rules: Protocol, training_seeds: int) -> str | None:
-    """Says why a score on all layouts is not to be ranked, None if it is."""
-    if not rules.report.ranked:
-        return f"the protocol {rules.name} does not rank"
-    if rules.report.headlines and 1 < training_seeds < FEWEST_RUNS:
-        return f"{training_seeds} training runs; a method has {FEWEST_RUNS} at least, an agent one"
-    return None
 
 
 def slices(cells: Cells, by: Sequence[Slice]) -> Iterator[tuple[Mapping[str, Any], Cells]]:

@@ -150,6 +150,10 @@ def test_what_ranks_means_the_pool_and_the_scenarios_that_ship(name):
     assert [layout.layout for layout in reference.layouts] == list(protocol.play.layouts)
 
 
+def test_only_v1_ranks():
+    assert [name for name in protocol_names() if load_protocol(name).report.ranked] == ["v1"]
+
+
 def test_v1_and_its_small_sister():
     whole, lite = load_protocol("v1"), load_protocol("v1-lite")
     assert (whole.play.episodes, whole.play.seats, whole.play.start, whole.play.self_play) == (

@@ -11,9 +11,11 @@ import pytest
 
 from overcooked_bench.estimate import Estimate, t_interval
 from overcooked_bench.evaluation.cells import PartnerLabel, pack_labels, read_cells
+from overcooked_bench.evaluation.comparing.compare import compare
 from overcooked_bench.evaluation.games.block import play_block
 from overcooked_bench.evaluation.games.episode import Episode
 from overcooked_bench.evaluation.games.store import Store, StoreError
+from overcooked_bench.evaluation.games.streams import draw_salt
 from overcooked_bench.evaluation.protocol import Report
 from overcooked_bench.evaluation.scores import SCHEMA, ScoresError, read_scores
 from overcooked_bench.evaluation.statistics import low_quantile
@@ -126,10 +128,15 @@ def test_seats_partners_strata_and_thresholds(tmp_path, protocol):
         "scripted": 5,
     }
     assert [label.convention for label in layout.partners] == [None, "corner", None, None]
-    assert [(row.params, row.value) for row in scores.select("threshold")] == [
-        ({"soups": 1}, pytest.approx(2 / 3)),
-        ({"soups": 3}, 0),
-    ]
+    reached = {
+        (row.seat, row.partner): row.value for row in scores.select("threshold", params={"soups": 1}, stratum=None)
+    }
+    assert reached == {
+        **{(None, None): pytest.approx(2 / 3), (0, None): pytest.approx(1 / 3), (1, None): pytest.approx(2 / 3)},
+        **{(None, "ann"): 1, (None, "bob"): 1, (None, "cat"): 0, (None, "stay"): 0},
+    }
+    assert scores.find("threshold", params={"soups": 1}).value == pytest.approx(2 / 3), "over all layouts, too"
+    assert scores.find("threshold", layout="cramped_room", stratum="self-play", params={"soups": 1}).value == 1
     assert [scores.find(f"{who}_soups", layout="cramped_room", partner="cat").value for who in ("ego", "partner")] == [
         *(2, 1),
     ]
@@ -141,7 +148,11 @@ def test_thresholds_count_soups_of_the_layouts_own_value(tmp_path, protocol):
     returns = np.full((1, 4, 2, 2), 20.0)
     scores = summarised(tmp_path, protocol, returns, layouts=[str(cheap)])
     assert scores.layouts[0].soup_points == 10
-    assert [row.value for row in scores.select("threshold")] == [1, 0]
+    assert [
+        row.value for row in scores.select("threshold", layout=str(cheap), seat=None, stratum=None, partner=None)
+    ] == [
+        *(1, 0),
+    ]
 
 
 def test_a_training_seed_is_averaged_over_layouts_before_the_interval(tmp_path, protocol):
@@ -215,7 +226,7 @@ def test_the_same_games_are_reported_in_another_way(protocol):
     report = Report(thresholds=(2,), metrics=("threshold",), estimators="repaired")
     again = recompute(OLD.parent / "score-2", report)
     assert again.settings.report == report
-    assert [row.params for row in again.select("threshold", layout="cramped_room")] == [{"soups": 2}]
+    assert {row.params["soups"] for row in again.select("threshold", layout="cramped_room")} == {2}
     assert {row.metric for row in again.rows} == {"mean", "threshold"}
     assert "over the partners of each stratum" in again.interval
 
@@ -226,14 +237,60 @@ def test_the_same_games_are_reported_in_another_way(protocol):
 )
 def test_a_method_has_five_training_runs(seeds, kind, unranked, tmp_path, protocol):
     returns = drawn(seeds)
-    ranks = summarised(tmp_path, reporting(protocol, headlines=("mean",)), returns)
+    ranks = summarised(tmp_path, reporting(protocol, headlines=("mean",)), returns, agent="x")
     assert ranks.kind == kind
     assert (ranks.unranked is None) == (unranked is None)
     assert unranked is None or unranked in ranks.unranked
     assert ranks.overall == ranks.find().estimate, "an overall score is shown in any case"
-    assert summarised(tmp_path, protocol, returns, "old").unranked is None
-    never = summarised(tmp_path, reporting(protocol, ranked=False), returns, "never")
-    assert never.unranked == "the protocol tiny does not rank"
+    assert summarised(tmp_path, protocol, returns, "old", agent="x").unranked is None
+    never = summarised(tmp_path, reporting(protocol, ranked=False), returns, "never", agent="x")
+    assert (never.unranked or "").split(";")[0] == "the protocol tiny does not rank"
+
+
+@pytest.mark.parametrize(
+    ("facts", "why"),
+    [
+        ({"seed": "7"}, "it has the seed 7, and ranked scores have the seed 0"),
+        ({"salt": "my lucky one"}, "its salt is neither the protocol's nor drawn by --salt fresh"),
+        ({"salt": draw_salt()}, None),
+        ({"pool": "b" * 64, "pool_name": "mine"}, "the pool mine is not that of the protocol tiny"),
+        ({"pool": "a" * 64}, None),
+        ({"agent": "bob" * 8, "agent_name": "bob"}, "bob is itself among the partners"),
+        ({"agent": "stay" * 8}, None),
+    ],
+)
+def test_only_the_protocols_own_games_rank(facts, why, protocol, tmp_path):
+    """An official run has a salt that was drawn for it; a floor that is scored meets no partner of its own."""
+    rules = changed(protocol, pool_sha256="a" * 64)
+    scores = summarised(tmp_path, rules, drawn(1), **{"agent": "x", **facts})
+    assert scores.unranked == why
+    assert scores.overall is not None
+
+
+def test_without_bounds_no_score_ranks_by_n(protocol, tmp_path):
+    rules = reporting(protocol, headlines=("n", "h50"), estimators="repaired")
+    scores = summarised(tmp_path, rules, drawn(1), agent="x", pool="b" * 64, pool_name="mine")
+    assert scores.overall is None
+    assert scores.unranked == "the pool mine has no bounds for all partners, so there is no N"
+
+
+@pytest.mark.parametrize(("runs", "different"), [([0, 0, 0, 0, 0], 1), ([0, 1, 0, 2, 3], 4)])
+def test_copies_of_a_training_run_have_no_interval_and_no_rank(runs, different, protocol, tmp_path):
+    returns = drawn(5)
+    rules = reporting(protocol, headlines=("mean",), estimators="repaired")
+    scores = summarised(tmp_path, rules, returns[runs], agent="x")
+    assert scores.unranked == f"{different} of its 5 training runs differ, the others are copies"
+    assert {(row.low, row.high, row.error) for row in scores.rows} == {(None, None, None)}
+    assert scores.overall == Estimate(pytest.approx(returns[runs][:, :3].mean()))
+    assert f"{different} of 5" in scores.interval
+    other = summarised(tmp_path, rules, returns - 5, "other", agent="y")
+    assert other.unranked is None
+    for metric in ("mean", "threshold"):
+        compared = compare(scores, other, metric=metric)
+        for one in compared.metrics[0].pairs[0].differences:
+            assert (one.difference.interval, one.p, one.better) == (None, None, None)
+        assert compared.interval.startswith("No intervals")
+        assert compared.metrics[0].sights == ()
 
 
 def test_declined_layouts_of_schema_1_leave_no_overall(tmp_path):

@@ -25,8 +25,8 @@ _SEEDS: Final = (
 )
 _PARTNERS: Final = (
     "Differences: first minus second, with 95 % t intervals over the partners of each stratum and their start states, "
-    "which both agents met; with a single partner over start states. They are of one artefact each, and say nothing "
-    "about retraining."
+    "which both agents met; with a single partner, and of numbers that are no mean over partners, over start states. "
+    "They are of one artefact each, and say nothing about retraining."
 )
 _TEST_OF_SEEDS: Final = (
     "Better: probability that a training seed of the first beats one of the second. p: permutation test over training "
@@ -37,6 +37,7 @@ _TEST_OF_PARTNERS: Final = (
 )
 _HOLM: Final = " Holm: p adjusted for {pairs} pairs."
 _TOO_FEW: Final = " No difference can have p of .05 or less then; that takes {needed} training seeds of each."
+_TOO_MANY: Final = " No difference can have p of .05 or less then; compare fewer scores at a time."
 
 
 class CompareError(WrongUse):
@@ -272,7 +273,10 @@ def _adjusted(found: Sequence[Sequence[Difference]]) -> list[list[Difference]]:
 
 def _interval(scores: Sequence[Scores], compared: Sequence[Compared]) -> str:
     if not any(one.difference.interval for some in compared for pair in some.pairs for one in pair.differences):
-        return "No intervals: the scores hold no values per repetition of this metric, or a single one."
+        return (
+            "No intervals: the scores hold no values per repetition of this metric, a single one, or those of training "
+            "runs that are copies."
+        )
     seeds = scores[0].training_seeds
     return _SEEDS.format(n=seeds) if seeds > 1 else _PARTNERS
 
@@ -285,6 +289,6 @@ def _test(seeds: int, compared: Sequence[Compared]) -> str | None:
     if seeds == 1:
         return _TEST_OF_PARTNERS + several
     if smallest_p(seeds) * pairs > 0.05:
-        needed = next(n for n in range(seeds, 100) if smallest_p(n) * pairs <= 0.05)
-        several += _TOO_FEW.format(needed=needed)
+        needed = next((n for n in range(seeds, 100) if smallest_p(n) * pairs <= 0.05), None)
+        several += _TOO_MANY if needed is None else _TOO_FEW.format(needed=needed)
     return _TEST_OF_SEEDS.format(n=seeds, least=smallest_p(seeds)) + several

@@ -66,13 +66,14 @@ def differences(first: Scores, second: Scores, name: str, metric: Metric | None)
     theirs = {row.about: row for row in second.select(name, home=None)}
     pairs = [(mine, theirs[mine.about]) for mine in first.select(name, home=None) if mine.about in theirs]
     partners = {row.about: (row.value, theirs[row.about].value) for row, _ in pairs if row.partner is not None}
+    alone = max((sum(label.counts for label in facts.partners) for facts in first.layouts), default=1) == 1
     most = np.inf if metric is None else metric.highest - metric.lowest
     for mine, other in pairs:
         if first.training_seeds > 1:
             found = _of_methods(mine, other, first.training_seeds, most)
         else:
             groups = _groups(first, mine, partners, metric) if metric else None
-            found = _of_agents(mine, other, groups, metric is not None and metric.counts, most)
+            found = _of_agents(mine, other, groups, metric is not None and metric.counts, most, alone)
         where: dict[str, Any] = {key: getattr(mine, key) for key in (*ABOUT, "params") if key != "home"}
         yield Difference(mine.value, other.value, *found, **where)
 
@@ -87,7 +88,7 @@ def _of_methods(mine: Row, other: Row, seeds: int, most: float) -> _Found:
     The interval is Welch's, from the standard errors of both scores, so that what repairs these repairs it, too.
     """
     runs = mine.per_repetition or (), other.per_repetition or ()
-    if len(runs[0]) != seeds or len(runs[1]) != seeds:
+    if len(runs[0]) != seeds or len(runs[1]) != seeds or None in (mine.low, other.low):  # copies of a run
         return Estimate(mine.value - other.value), None, None
     variances = [_variance(row) for row in (mine, other)]
     total, squares = sum(variances), sum(variance**2 for variance in variances)
@@ -104,15 +105,18 @@ def _variance(row: Row) -> float:
     return (error or 0.0) ** 2
 
 
-def _of_agents(mine: Row, other: Row, groups: Sequence[Group] | None, counts: bool, most: float) -> _Found:
-    """Compares two agents over the partners that both met; with a single partner over the start states."""
+def _of_agents(mine: Row, other: Row, groups: Sequence[Group] | None, counts: bool, most: float, alone: bool) -> _Found:
+    """Compares two agents over the partners that both met; over start states if there is one, or no mean over them.
+
+    By seat or side, some means over partners are not known for each partner; then there is no interval.
+    """
     runs = mine.per_repetition or (), other.per_repetition or ()
     if groups is not None and all(len(group.values) > 1 for group in groups):
         least = sum(map(_one_more, groups)) if counts else 0.0
         found = over_partners(groups, least).estimate(-most, most)
         parts: NDArray[Any] = np.concatenate([group.shares * group.values for group in groups])
         shares: NDArray[Any] = np.concatenate([group.shares for group in groups])
-    elif mine.partner is None and len(runs[0]) == len(runs[1]) > 1:
+    elif mine.partner is None and (alone or {mine.seat, mine.side} == {None}) and len(runs[0]) == len(runs[1]) > 1:
         parts = np.subtract(*runs)
         shares, found = np.full(len(parts), 1 / len(parts)), t_interval(parts, -most, most)
     else:

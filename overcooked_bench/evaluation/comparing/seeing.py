@@ -59,9 +59,9 @@ def sights(scores: Sequence[Scores], facts: MetricFacts) -> Iterator[Sight]:
 
 
 def _variance(row: Row, seeds: int) -> float | None:
-    """Returns the variance of a number over training seeds, None if the score does not hold it."""
+    """Returns the variance of a number over training seeds, None if the score does not say."""
     values = row.per_repetition or ()
-    if len(values) != seeds:
+    if len(values) != seeds or row.low is None:  # no values, or those of copies of a run
         return None
     error = over_repetitions(values).error if row.error is None else row.error
     return None if error is None else error**2 * seeds

@@ -9,6 +9,7 @@ Axes: N rows of a block.
 """
 
 import hashlib
+import re
 import secrets
 from collections.abc import Sequence
 from typing import Final, NamedTuple
@@ -33,6 +34,11 @@ def stream_key(*parts: str | int) -> int:
 def draw_salt() -> str:
     """Draws a new secret salt."""
     return secrets.token_hex(16)
+
+
+def is_drawn(salt: str) -> bool:
+    """Returns whether a salt has the form of those that `draw_salt` draws, so that one can be given again."""
+    return re.fullmatch("[0-9a-f]{32}", salt) is not None
 
 
 class Streams(NamedTuple):

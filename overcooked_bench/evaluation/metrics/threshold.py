@@ -50,6 +50,7 @@ METRIC: Final = Metric(
     ),
     per_repetition=per_repetition,
     params=levels,
+    by=("overall", "layout", "seat", "side", "stratum", "home", "partner"),
     of_partners=of_partners,
     counts=True,
     interval=interval,

@@ -66,7 +66,8 @@ def columns_note(scores: Scores) -> str:
 
 def _columns(scores: Scores, shown_beside: Beside) -> list[_Shown]:
     first, *others = scores.settings.report.headlines
-    known = {facts.name: facts for facts in scores.metrics}
+    whole = {"partner": None, "stratum": None, "home": None}
+    known = {facts.name: facts for facts in scores.metrics if any(scores.select(facts.name, **whole))}
     columns = [_Shown(known[first].label, _headline(first, scores.settings.report.ranked))] if first in known else []
     if columns and not scores.settings.report.ranked:
         columns = [_Shown(f"{known[first].label.partition(' ')[0]} ± s.e.", columns[0].cell)]
@@ -93,13 +94,15 @@ def _table(scores: Scores, reference: Scores | None, columns: Sequence[_Shown]) 
         return [column.cell(of, layout) for column in columns]
 
     rows: list[list[Cell]] = []
+    ranking = scores.find(scores.headline) or scores.find(MEAN)
+    whole = scores.overall is not None or (ranking is not None and ranking.metric != scores.headline)
     for layout in scores.layouts:
         rows.append([layout_name(layout), *cells(scores, layout.layout)])
-        if reference is not None and scores.overall is None:
+        if reference is not None and not whole:
             rows.append([f"  {reference.agent.name}", *cells(reference, layout.layout)])
     rows += [[declined.layout, "declined"] for declined in scores.declined]
     foot: list[list[Cell]] = [[_OVERALL, "none"]]
-    if scores.overall is not None:
+    if whole:
         foot = [[_OVERALL, *cells(scores, None)]]
         foot += [[reference.agent.name, *cells(reference, None)]] if reference is not None else []
     heads = [Column(column.heading, wrap=False) for column in columns]

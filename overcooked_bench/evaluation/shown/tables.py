@@ -10,6 +10,8 @@ from overcooked_bench.evaluation.scores import MEAN, CategoryScore, LayoutFacts,
 from overcooked_bench.rendering.table import INTERVAL, Cell, Column, Number, Table
 
 NONE = "-"
+_BY_MEAN = (MEAN, "threshold")
+"""What the mean return of a single partner says."""
 
 
 def layouts_table(scores: Scores, place: Literal["terminal", "report"], without: Collection[str] = ()) -> Table:
@@ -63,7 +65,8 @@ def partners_table(scores: Scores) -> Table:
 
 def cells_table(scores: Scores, layout: LayoutFacts) -> Table:
     """Lays out one row per partner of a layout: mean return, by seat, and the metrics that are known for partners."""
-    others = [(facts, params) for facts, params in of_partners(scores, layout) if facts.name != MEAN and facts.tables]
+    known = of_partners(scores, layout)
+    others = [(facts, params) for facts, params in known if facts.name not in _BY_MEAN and facts.tables]
     seats = scores.settings.play.seats
     heads: list[str | Column] = ["partner", Column("kind", left=True), "mean [95 %]"]
     heads += [f"seat {seat}" for seat in seats]
@@ -89,7 +92,7 @@ def scenarios_table(scenarios: ScenarioScore) -> Table:
 
     def cells(one: CategoryScore) -> list[Cell]:
         missing = count_text(one.not_attempted) if one.not_attempted else NONE
-        share = Number(f"{one.share.value:.2f}", one.share.text(2).partition(" ")[2])
+        share = Number(f"{one.share.value:.2f}", one.share.text(2).partition(" ")[2]) if one.share else NONE
         return [one.category, count_text(one.passed), count_text(one.attempted), share, missing]
 
     heads = [scenarios.counted, "passed", "of", "share", "not attempted"]

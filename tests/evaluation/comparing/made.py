@@ -27,16 +27,17 @@ PLAY = Play(
 )
 
 
-def partners(each=3):
-    """Some partners of each of four strata, with whom 0 to 100 points can be reached."""
+def partners(each=3, sides=1):
+    """Some partners of each of four strata, with whom 0 to 100 points can be reached from any side."""
+    bounds = tuple(SideBound(side, 0, 100) for side in range(sides))
     return tuple(
-        PartnerLabel(f"{stratum}-{i}", "trained", f"{stratum}{i}", stratum, bounds=(SideBound(0, 0, 100),))
+        PartnerLabel(f"{stratum}-{i}", "trained", f"{stratum}{i}", stratum, bounds=bounds)
         for stratum in STRATA
         for i in range(each)
     )
 
 
-def scores(name, means, report=REPORT, played=PLAY, labels=None):
+def scores(name, means, report=REPORT, played=PLAY, labels=None, sides=0):
     """A score.
 
     Args:
@@ -45,6 +46,7 @@ def scores(name, means, report=REPORT, played=PLAY, labels=None):
         report: How it is reported.
         played: What was played.
         labels: The partners; as many of four strata by default.
+        sides: Where the agent starts from its two seats.
     """
     given = np.asarray(means, float)
     labels = labels or partners(given.shape[2] // 4)
@@ -53,8 +55,8 @@ def scores(name, means, report=REPORT, played=PLAY, labels=None):
     for layout, one in zip(LAYOUTS, given, strict=False):
         blocks = one[..., None] if one.ndim == 3 else np.repeat(one[..., None], 3, axis=2)[..., None]
         returns = np.repeat(blocks, 2, axis=3)
-        zeros = np.zeros(returns.shape)
-        cells.append(Cells(layout, 20.0, labels, (0, 1), returns, zeros, zeros, zeros.astype(int)))
+        zeros, there = np.zeros(returns.shape), np.broadcast_to(np.asarray(sides), returns.shape)
+        cells.append(Cells(layout, 20.0, labels, (0, 1), returns, zeros, zeros, there))
     rules = Protocol(name="made", version=1, play=played, report=report)
     return Scores(
         schema=SCHEMA,

@@ -12,7 +12,8 @@ from overcooked_bench.estimate import Estimate, t_interval, welch_interval
 from overcooked_bench.evaluation.comparing.compare import CompareError, compare
 from overcooked_bench.evaluation.comparing.permutation import over_seeds, over_units
 from overcooked_bench.evaluation.protocol import read_protocol
-from tests.evaluation.comparing.made import LAYOUTS, PLAY, REPORT, agent, method, scores
+from overcooked_bench.evaluation.shown.comparison import whole
+from tests.evaluation.comparing.made import LAYOUTS, PLAY, REPORT, agent, method, partners, scores
 from tests.evaluation.made import protocol_text, score, write_agent
 
 OLD = Path(__file__).parents[2] / "data" / "upgrades" / "score-1"
@@ -112,6 +113,27 @@ def test_it_is_said_when_no_pair_can_be_significant():
     assert "No difference" not in compare(*(method(seed, name=str(seed)) for seed in range(4))).test  # 6 pairs, 5 seeds
 
 
+def test_it_is_said_when_there_are_too_many_scores_for_any_number_of_seeds():
+    report = msgspec.structs.replace(REPORT, metrics=(), headlines=())
+    one = scores("method", np.random.default_rng(0).normal(60, 9, (1, 5, 4)), report=report)
+    test = compare(*([one] * 50), metric="mean").test
+    assert test.endswith("No difference can have p of .05 or less then; compare fewer scores at a time.")
+
+
+@pytest.mark.parametrize("about", [{"seat": 0}, {"side": 1}])
+def test_agents_have_no_interval_over_partners_where_these_are_not_known_by_seat_or_side(about):
+    both = {"labels": partners(sides=2), "sides": (0, 1)}
+    mine, theirs = (agent(number, name=str(number), **both) for number in range(2))
+    assert found(compare(mine, theirs)).difference.interval is not None
+    one = found(compare(mine, theirs), layout=LAYOUTS[0], **about).difference
+    assert one.interval is None
+    assert one.value == pytest.approx(
+        mine.find("n", layout=LAYOUTS[0], **about).value - theirs.find("n", layout=LAYOUTS[0], **about).value
+    )
+    points = compare(mine, theirs, metric="mean")
+    assert found(points, "mean", layout=LAYOUTS[0], seat=0).difference.interval is not None, "known by partner and seat"
+
+
 def test_what_the_training_seeds_buy_is_part_of_the_result():
     mine, theirs = method(0), method(1, name="other")
     comparison = compare(mine, theirs, metric="n")
@@ -207,7 +229,7 @@ def test_a_score_that_is_reported_differently_is_computed_again_from_its_episode
     for source in (other.folder, other.folder / "score.json"):
         comparison = compare(pair[0].folder, source, metric="threshold")
         assert [one.computed_again for one in comparison.entrants] == [False, True]
-        assert [one.params["soups"] for one in comparison.metrics[0].pairs[0].differences if one.layout] == [1, 3]
+        assert [one.params["soups"] for one in whole(comparison.metrics[0].pairs[0]) if one.layout] == [1, 3]
     (other.folder / "episodes.sqlite").unlink()
     assert main(["compare", str(pair[0].folder), str(other.folder)]) == 2
 
@@ -221,6 +243,6 @@ def test_the_command_prints_a_table_or_json_and_writes_a_page(pair, capsys, tmp_
     assert (tmp_path / "new" / "comparison.html").stat().st_size > 2000
     assert main(["compare", *folders, "--metric", "threshold", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert [one["params"] for one in told["metrics"][0]["pairs"][0]["differences"]] == [{"soups": 1.0}, {"soups": 3.0}]
+    assert [one["params"] for one in told["metrics"][0]["pairs"][0]["differences"][:2]] == [{"soups": 1.0}, {"soups": 3.0}]
     assert main(["compare", folders[0], "nowhere"]) == 2
     assert "nowhere" in capsys.readouterr().err

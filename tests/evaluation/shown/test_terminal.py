@@ -15,8 +15,9 @@ from overcooked_bench.evaluation.protocol import load_protocol, read_protocol
 from overcooked_bench.evaluation.references import reference_scores
 from overcooked_bench.evaluation.scores import read_scores
 from overcooked_bench.evaluation.shown.terminal import score_tables
+from overcooked_bench.evaluation.summary import recompute
 from tests.agents.made import record, scripted, write_policy
-from tests.evaluation.made import changed, protocol_text, reporting, score, write_agent
+from tests.evaluation.made import DRAW, SCRIPTED_POOL, changed, protocol_text, reporting, score, write_agent
 
 STRATA = {"sp-0": "own", "sp-1": "other-trainers", "greedy": "scripted", "clockwise": "human"}
 
@@ -133,9 +134,25 @@ def test_a_protocol_that_does_not_rank_shows_standard_errors(scored, rules):
     assert "Not ranked: never." in text
 
 
+def test_with_a_pool_without_bounds_the_mean_of_layouts_is_shown_and_why_there_is_no_n(rules, tmp_path):
+    scores = score("stay", rules, SCRIPTED_POOL, output=tmp_path / "out").scores
+    text = shown(scores)
+    assert table_of(text)["mean"].split()[-1] == f"{scores.find().value:.1f}"
+    assert "N" not in text.split("───")[0].split()
+    assert "the pool scripted has no bounds for all partners, so there is no N." in " ".join(text.split())
+
+
+def test_agents_that_are_partners_are_found_among_them_on_each_layout(pool, rules, tmp_path):
+    scores = score(f"{pool}/{{layout}}/sp-1", rules, output=tmp_path / "out").scores
+    assert [label.name for label in scores.layouts[0].partners if label.is_ego] == ["sp-1"]
+    assert scores.unranked == "strangers-sp-1 is itself among the partners"
+    assert recompute(tmp_path / "out").unranked == scores.unranked
+
+
 @pytest.mark.slow
 def test_the_runs_of_a_method_are_listed(rules, tmp_path):
-    agent = write_agent(tmp_path / "agent.py", training_seeds=5)
+    own = f"{DRAW.replace('return', 'drawn =')}\n        return (drawn + self.training_seed) % 6"
+    agent = write_agent(tmp_path / "agent.py", own, training_seeds=5)
     scores = score(agent, rules, output=tmp_path / "out").scores
     assert (scores.kind, scores.unranked) == ("method", None)
     assert "A method of 5 training runs: intervals over them." in shown(scores)
