@@ -22,7 +22,7 @@ def add_report(commands: Any) -> None:
         nargs="+",
         action="extend",
         default=[],
-        help="scores of the same games, which plots show besides",
+        help="scores of the same games, which the plots show as well",
     )
 
 

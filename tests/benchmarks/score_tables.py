@@ -72,7 +72,8 @@ def scores_section(data: Mapping[str, Any]) -> str:
 
 A score under the protocol v1, with every partner and floor of its pool and with itself: {first["episodes"]:,} episodes
 of 400 steps. In seconds of one core, which a busy machine lengthens by less than seconds on the clock. "The networks"
-are the same forward passes with nothing around them, right after each round.
+are the same forward passes with nothing around them, right after each round. {SEEDS} training seeds were not measured:
+they are {SEEDS} times one.
 
 {cost_table([*scores, *found["cross-play"]])}
 {parts_table(scores)}

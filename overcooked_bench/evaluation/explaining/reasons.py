@@ -50,7 +50,7 @@ REASONS: Final[dict[Reason, Meaning]] = {
     "weak partner": Meaning(
         "weak\npartner", "the agent does well with a copy of itself, the partner does not with one of itself"
     ),
-    "neither": Meaning("neither\nalone", "neither does better with a copy of itself, and greedy does"),
+    "neither": Meaning("neither\nalone", "neither does well with a copy of itself, and greedy does"),
     "nothing": Meaning("nothing\nto gain", "nobody delivers a soup from here; not counted in any share"),
 }
 FAILURES: Final[tuple[Reason, ...]] = ("clash", "inexperience", "weak partner", "neither")

@@ -57,10 +57,12 @@ def notes(scores: Scores) -> list[str]:
     said += [f"{layout.layout}: {layout.remark}" for layout in scores.layouts if layout.remark]
     said += _of_this_run(scores)
     if scores.scenarios:
-        said.append(
-            f"Cooperation {scores.scenarios.counted} are a profile, not a part of the score. A scenario counts once, "
-            "by the share of its situations that was passed, from each seat and in the mirror image."
+        once = (
+            " A scenario counts once, by the share of its situations that was passed, from each seat and in the mirror "
+            "image."
         )
+        counted = scores.scenarios.counted
+        said.append(f"Cooperation {counted} are a profile, not a part of the score.{once * (counted == 'scenarios')}")
     if any(label.is_ego for layout in scores.layouts for label in layout.partners):
         said.append("* The scored agent itself is among the partners.")
     return said
@@ -71,7 +73,8 @@ def _kind(scores: Scores) -> str:
     if scores.kind == "agent":
         repaired = scores.settings.report.estimators == "repaired"
         return f"One agent: intervals over {'partners and start states' if repaired else 'episode blocks'}."
-    return f"{'A method of ' * (scores.kind == 'method')}{runs} training runs: intervals over them."
+    over = "intervals over them" if any(row.low is not None for row in scores.rows) else "no intervals"
+    return f"{'A method of ' * (scores.kind == 'method')}{runs} training runs: {over}."
 
 
 def _of_this_run(scores: Scores) -> list[str]:

@@ -57,7 +57,7 @@ def write_report(scores: Scores, folder: str | Path, others: Sequence[Scores] = 
     Args:
         scores: What to show.
         folder: Where it is, and where the page is written; its episodes and explanation are shown.
-        others: Chosen scores of the same games, which plots show besides.
+        others: Chosen scores of the same games, which the plots show as well.
 
     Returns:
         The sections of the page, with their plots and tables.

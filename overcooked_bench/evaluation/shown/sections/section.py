@@ -49,7 +49,7 @@ class Material:
         scores: The score.
         folder: Where it is; commands on the page name it.
         around: The reference agent, and the score under the criterion.
-        others: Chosen scores, which plots show besides.
+        others: Chosen scores, which the plots show as well.
         explanation: Why the agent failed; None if nobody asked.
         episodes: The store of the episodes; None if there is none.
     """
