@@ -29,11 +29,13 @@ def add_explain(commands: Any) -> None:
         "explain",
         _explain,
         "say why an agent failed: play on from its moments with its partner, with a copy of itself, and without it",
-        "overcooked-bench explain scores/my_agent-v1 --layouts forced_coordination",
+        "overcooked-bench explain scores/my_agent-v1 --agent my_agent.py --layouts forced_coordination",
     )
     parser.add_argument("score", metavar="DIR", help="the folder of a score, or its episodes.sqlite")
     parser.add_argument(
-        "--agent", metavar="AGENT", help="the agent that was scored, as `score` takes it (default: what the score says)"
+        "--agent",
+        metavar="AGENT",
+        help="the agent that was scored, as `score` takes it (default: what the score says, a submission aside)",
     )
     parser.add_argument(
         "--pool", metavar="NAME|FOLDER", help="the pool that it was scored with (default: what the score says)"

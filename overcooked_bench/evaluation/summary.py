@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from overcooked_bench.evaluation.cells import Cells, read_cells
 from overcooked_bench.evaluation.conduct import CONDUCT, count_conduct
+from overcooked_bench.evaluation.games.facts import read_facts
 from overcooked_bench.evaluation.games.replayed import check_returns, read_settings
-from overcooked_bench.evaluation.games.store import Store, StoreError
+from overcooked_bench.evaluation.games.store import Store
 from overcooked_bench.evaluation.metric import Figured, Metric, Params, Slice, chosen_metrics
 from overcooked_bench.evaluation.protocol import Protocol, Report
 from overcooked_bench.evaluation.ranking import different_runs, why_unranked
@@ -60,9 +61,9 @@ def summarise(
         conduct: Whether to replay the episodes for what the chefs do, if the report has metrics of it.
 
     Raises:
-        StoreError: Blocks were changed after they were written.
+        StoreError: Blocks were changed after they were written, or what identifies the score cannot be used.
     """
-    facts, play = store.facts, rules.play
+    facts, play = read_facts(store), rules.play
     adapted, metrics = store.adapted(), chosen_metrics(rules.report)
     counted = conduct and any(metric.facts.name in CONDUCT for metric in metrics)
     count = partial(count_conduct, cooking=play.cooking, horizon=play.horizon) if counted else None
@@ -74,15 +75,14 @@ def summarise(
     if different < training_seeds:
         rows = tuple(msgspec.structs.replace(row, low=None, high=None, error=None) for row in rows)
         interval = f"No intervals: {different} of {training_seeds} training runs differ, the others are copies."
-    pool = facts.get("pool", "none")
     scores = Scores(
         schema=SCHEMA,
-        protocol=Source(rules.name, facts.get("protocol", "")),
+        protocol=Source(rules.name, facts.protocol),
         settings=rules,
-        agent=Source(facts.get("agent_name", ""), facts.get("agent", "")),
-        pool=None if pool == "none" else Source(facts.get("pool_name", str(play.pool)), pool),
-        seed=int(facts.get("seed", "0")),
-        salt=facts.get("salt", play.salt),
+        agent=Source(facts.agent_name, facts.agent),
+        pool=None if facts.pool == "none" else Source(facts.pool_name or str(play.pool), facts.pool),
+        seed=facts.seed,
+        salt=facts.salt or play.salt,
         training_seeds=training_seeds,
         interval=interval,
         overall=None,
@@ -120,10 +120,7 @@ def recompute(source: str | Path, report: Report | None = None) -> Scores:
             rules = msgspec.structs.replace(rules, report=report)
         check_returns(store, rules.play.cooking, rules.play.horizon)
         blocks, episodes = store.blocks(), rules.play.episodes
-        try:
-            seeds = int(store.facts.get("training_seeds", 1 + max((run for _, run, _ in blocks), default=0)))
-        except ValueError as error:
-            raise StoreError(f"{store.file}: its number of training seeds is unclear ({error})") from error
+        seeds = read_facts(store).training_seeds or 1 + max((run for _, run, _ in blocks), default=0)
         known = Counter(layout for layout, run, episode in blocks if run < seeds and episode < episodes)
         finished = [layout for layout in rules.play.layouts if known[layout] == seeds * episodes]
         return summarise(store, rules, training_seeds=seeds, finished=finished, conduct=True)

@@ -342,5 +342,5 @@ def test_a_layout_counts_once_all_training_seeds_have_played_it(seeds, finished,
 def test_a_number_of_training_seeds_that_is_none_is_one_message(protocol, tmp_path):
     notes = {"settings": msgspec.json.encode(protocol).decode(), "training_seeds": "many"}
     Store(tmp_path / "episodes.sqlite", {"agent": "x"}, notes).close()
-    with pytest.raises(StoreError, match=r"episodes\.sqlite: its number of training seeds is unclear"):
+    with pytest.raises(StoreError, match=r"episodes\.sqlite: what identifies the score .*training_seeds"):
         recompute(tmp_path)

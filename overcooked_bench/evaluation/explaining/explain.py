@@ -25,12 +25,13 @@ from overcooked_bench.evaluation.explaining.records import (
 )
 from overcooked_bench.evaluation.explaining.summary import sum_up
 from overcooked_bench.evaluation.games.engines import open_engine
+from overcooked_bench.evaluation.games.facts import Facts, read_facts
 from overcooked_bench.evaluation.games.replayed import read_settings
 from overcooked_bench.evaluation.games.store import Store
 from overcooked_bench.evaluation.protocol import Play
 from overcooked_bench.evaluation.score import ACT_TIMEOUT
 from overcooked_bench.evaluation.scores import EPISODES_FILE, Source, in_folder
-from overcooked_bench.files import write_whole
+from overcooked_bench.files import shown, write_whole
 from overcooked_bench.scenarios import SUFFIX
 
 
@@ -65,7 +66,8 @@ def explain(
 
     Args:
         source: The folder of a score, or its episodes.sqlite.
-        agent: The agent that was scored; by default what the score says it is.
+        agent: The agent that was scored; by default what the score says it is, unless that is a submission, whose code
+            is run only if it is given here.
         pool: The pool that it was scored with; by default likewise.
         layouts: Only these layouts of the score.
         workers: Number of processes; layouts are shared out among them.
@@ -83,14 +85,14 @@ def explain(
         ```python
         from overcooked_bench.evaluation.explaining.explain import explain
 
-        explanation, folder = explain("scores/my_agent-v1")
+        explanation, folder = explain("scores/my_agent-v1", agent="my_agent.py")
         print(explanation.total.reasons["clash"])
         ```
     """
     file = in_folder(source, EPISODES_FILE)
     with Store(file) as store:
-        facts, settings = store.facts, read_settings(store)
-        tasks = _tasks(store, settings.play, agent, pool, layouts, moments)
+        facts, settings = read_facts(store), read_settings(store)
+        tasks = _tasks(store, facts, settings.play, agent, pool, layouts, moments)
     untrusted, most = runs_code(tasks[0].agent), max(1, min(workers, len(tasks)))
     isolation = isolated(isolate, act_timeout) if isolate and untrusted else None
     tasks = [replace(task, isolation=isolation) for task in tasks]
@@ -103,13 +105,13 @@ def explain(
     ordered = [found[layout] for layout in settings.play.layouts if layout in found]
     explanation = Explanation(
         agent=Source(tasks[0].name, tasks[0].agent_sha256),
-        pool=Source(facts.get("pool_name", "the pool"), tasks[0].pool_sha256),
+        pool=Source(facts.pool_name or "the pool", tasks[0].pool_sha256),
         protocol=Source(settings.name, settings.sha256),
         cooking=settings.play.cooking,
         steps=STEPS,
         repeats=REPEATS,
         reasons={reason: meaning.meaning for reason, meaning in REASONS.items()},
-        interval=_interval(int(facts.get("training_seeds", "1"))),
+        interval=_interval(facts.training_seeds or 1),
         layouts=tuple(one.explanation for one in ordered),
         **_together([one.explanation for one in ordered]),
     )
@@ -119,6 +121,7 @@ def explain(
 
 def _tasks(
     store: Store,
+    facts: Facts,
     play: Play,
     agent: Reference | None,
     pool: str | Path | None,
@@ -128,18 +131,25 @@ def _tasks(
     """Returns what is to be played on each layout of a score.
 
     Raises:
-        WrongUse: The pool or a layout is not of the score, or there is no episode to explain.
+        WrongUse: The agent is code that only the score names, the pool or a layout is not of the score, or there is no
+            episode to explain.
     """
-    facts, adapted, there = store.facts, store.adapted(), store.values("layout")
+    adapted, there = store.adapted(), store.values("layout")
+    named = facts.agent_given or facts.agent_name
+    if agent is None and runs_code(named):
+        raise WrongUse(
+            f"{store.file}: it says that the agent was {shown(named)}. A score may come from anywhere, so code is run "
+            f"only if you name it yourself: --agent {shown(named)}"
+        )
     if strange := sorted(set(layouts or ()) - set(there)):
         raise WrongUse(f"{store.file}: no episodes on {', '.join(strange)}; choose among {', '.join(there)}")
-    partners = _pool(store, pool or facts.get("pool_given") or play.pool)
-    salt = "/".join(facts.get(key, "") for key in ("protocol", "salt", "seed"))
+    partners = _pool(store, facts, pool or facts.pool_given or play.pool)
+    salt = f"{facts.protocol}/{facts.salt}/{facts.seed}"
     tasks = [
         Task(
-            agent=_text(agent or facts.get("agent_given") or facts.get("agent_name", "")),
-            agent_sha256=facts["agent"],
-            name=facts.get("agent_name", "the agent"),
+            agent=_text(named if agent is None else agent),
+            agent_sha256=facts.agent,
+            name=facts.agent_name or "the agent",
             pool=str(partners.folder.absolute()),
             pool_sha256=partners.hash,
             mode=play.mode,
@@ -148,7 +158,7 @@ def _tasks(
             salt=salt,
             layout=layout,
             adapted=layout in adapted,
-            moments=choose_moments(list(episodes), facts["agent"], play.horizon, salt, moments),
+            moments=choose_moments(list(episodes), facts.agent, play.horizon, salt, moments),
         )
         for layout, episodes in groupby(store.episodes(), key=lambda episode: episode.layout)
         if layouts is None or layout in layouts
@@ -171,10 +181,10 @@ def _together(layouts: Sequence[LayoutExplanation]) -> dict[str, Any]:
     }
 
 
-def _pool(store: Store, source: str | Path | None) -> Pool:
+def _pool(store: Store, facts: Facts, source: str | Path | None) -> Pool:
     """Returns the pool that was played with."""
-    played = store.facts.get("pool")
-    if source is None or not played:
+    played = facts.pool
+    if source is None or played == "none":
         raise WrongUse(f"{store.file}: it names no pool; name the one that it was played with, with --pool")
     pool = Pool.load(source)
     if pool.hash != played:

@@ -1,18 +1,25 @@
+import hashlib
 import json
 import shutil
+import sqlite3
 from collections import Counter
+from contextlib import closing
 
 import msgspec
 import pytest
 
 from overcooked_bench.agents.policies.policy import load_policy, save_policy
 from overcooked_bench.agents.seated import SeatedFault
+from overcooked_bench.agents.submissions.content import hash_submission
 from overcooked_bench.errors import AgentFault, WrongUse
 from overcooked_bench.evaluation.explaining.explain import explain
 from overcooked_bench.evaluation.explaining.reasons import FAILURES, PAIRINGS, reason_for
 from overcooked_bench.evaluation.explaining.records import EXPLAIN_FILE, ExplanationError, read_explanation
 from overcooked_bench.evaluation.games.play import play_episodes
+from overcooked_bench.evaluation.games.store import StoreError
 from overcooked_bench.evaluation.protocol import read_protocol
+from overcooked_bench.evaluation.scores import EPISODES_FILE
+from overcooked_bench.evaluation.summary import recompute
 from overcooked_bench.scenarios.items import load_items
 from overcooked_bench.scenarios.runner import run_scenarios
 from tests.evaluation.explaining.conftest import HABITS, LAYOUT
@@ -134,6 +141,55 @@ def test_a_score_of_something_else_is_refused(scored, strangers, tmp_path):
     short = read_protocol(protocol_text(layouts=[LAYOUT], pool=str(strangers), episodes=1), "short.yaml")
     with pytest.raises(WrongUse, match="a horizon of 150 or more"):
         explain(score("stay", short, output=tmp_path / "short").folder)
+
+
+def forge(scored, folder, **facts):
+    """Copies a score, whose store then says what it is told to, with checksums that match."""
+    shutil.copytree(scored, folder)
+    with closing(sqlite3.connect(folder / EPISODES_FILE)) as connection, connection:
+        for key, value in facts.items():
+            connection.execute("DELETE FROM facts WHERE key = ?", (key,))
+            connection.executemany("INSERT INTO facts VALUES (?, ?)", [(key, value)] * (value is not None))
+        found = dict(connection.execute("SELECT key, value FROM facts WHERE key != 'checksum'"))
+        checksum = hashlib.sha256(json.dumps(sorted(found.items())).encode()).hexdigest()
+        connection.execute("UPDATE facts SET value = ? WHERE key = 'checksum'", (checksum,))
+    return folder
+
+
+@pytest.mark.parametrize("name", ["evil.py", "evil.py:make_other", "evil"])
+def test_code_that_only_a_score_names_is_not_run(name, scored, strangers, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = f"open({str(tmp_path / 'ran')!r}, 'w').close()"
+    (tmp_path / "evil").mkdir()
+    for file in ("evil.py", "evil/agent.py"):
+        write_agent(tmp_path / file, make=text)
+        (tmp_path / file).write_text(f"{text}\n{(tmp_path / file).read_text()}")
+    sha256 = hash_submission("evil" if name == "evil" else "evil.py")
+    folder = forge(scored, tmp_path / "score", agent_given=name, agent=sha256)
+    with pytest.raises(WrongUse, match=f"episodes.sqlite: .* only if you name it yourself: --agent {name}"):
+        explain(folder, pool=strangers)
+    assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize(
+    ("facts", "said"),
+    [
+        ({"training_seeds": "x"}, "training_seeds"),
+        ({"training_seeds": "0"}, "training_seeds"),
+        ({"training_seeds": "9" * 30}, "training_seeds"),
+        ({"seed": "x"}, "seed"),
+        ({"seed": "9" * 5000}, "seed"),
+    ],
+    ids=["seeds are words", "no seeds", "many seeds", "the seed is a word", "a huge seed"],
+)
+def test_a_store_that_does_not_say_what_it_is_is_refused_by_name(facts, said, scored, strangers, tmp_path):
+    folder = forge(scored, tmp_path / "score", **facts)
+    for read in (lambda: explain(folder, agent=HABITS, pool=strangers), lambda: recompute(folder)):
+        with pytest.raises(StoreError, match=f"episodes.sqlite: what identifies the score .*{said}"):
+            read()
+    nobody = forge(scored, tmp_path / "nobody", agent=None)
+    with pytest.raises(WrongUse, match="is not the agent that was scored"):
+        explain(nobody, pool=strangers)
 
 
 @pytest.fixture

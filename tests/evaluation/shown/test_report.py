@@ -1,5 +1,6 @@
 """Pictures, pages and tables of a score, and its recordings."""
 
+import json
 import re
 import shlex
 from dataclasses import replace
@@ -17,9 +18,10 @@ from overcooked_bench.cli import main
 from overcooked_bench.evaluation.games.recording import find_recording
 from overcooked_bench.evaluation.games.store import StoreError
 from overcooked_bench.evaluation.protocol import read_protocol
-from overcooked_bench.evaluation.scores import EPISODES_FILE, Declined
+from overcooked_bench.evaluation.scores import EPISODES_FILE, Declined, Scores
 from overcooked_bench.evaluation.shown.report import write_report
 from overcooked_bench.evaluation.shown.terminal import score_tables
+from tests.evaluation.comparing.made import REPORT, agent
 from tests.evaluation.made import protocol_text, score, write_agent
 
 
@@ -65,6 +67,25 @@ def test_the_page_needs_nothing_else(scored):
     text = " ".join(page.texts)
     for words in ("a<b>", "cramped_room", "sp-0", "random", scored.scores.pool.sha256, "needs 19"):
         assert words in text
+
+
+def test_nothing_that_a_score_names_is_markup(tmp_path):
+    evil, sly = "<img src=x onerror=alert(1)>", "\"'><script>alert(1)</script>"
+    text = agent(0, report=msgspec.structs.replace(REPORT, metrics=())).to_json()
+    for name in ("cramped_room", "own-0", "human", "agent", "pepper"):
+        text = text.replace(f': "{name}"', f": {json.dumps(f'{name}{evil}{sly}')}")
+    scores = msgspec.json.decode(text, type=Scores)
+    facts = [msgspec.structs.replace(one, note=f"{sly}{evil}", label=f"{one.label}{evil}") for one in scores.metrics]
+    scores = msgspec.structs.replace(
+        *(scores,), metrics=tuple(facts), faults=(evil, sly), interval=sly, run={evil: sly, "versions": {sly: evil}}
+    )
+    assert len({row.layout for row in scores.rows}) == 3
+    write_report(scores, tmp_path, [scores])
+    page = Outline()
+    page.feed((tmp_path / "report.html").read_text())
+    assert page.open == []
+    assert not {"img", "script"} & set(page.tags)
+    assert " ".join(page.texts).count(evil) > 20
 
 
 def test_the_pages_commands_replay_the_worst_episode(scored, capsys):

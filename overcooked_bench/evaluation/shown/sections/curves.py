@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
+from html import escape
 from typing import TYPE_CHECKING
 
 from overcooked_bench.evaluation.scores import LayoutFacts, Row, Scores
@@ -28,7 +29,7 @@ def curves_section(material: Material) -> Section | None:
         said += "Bands: pointwise 95 % over training seeds; dotted: their 0.15-quantile. "
     said += "An agent of one training run has no band. Horizontal lines: numbers of soups."
     figures = "".join(
-        f"<div><h3>{layout.layout}</h3>{panel}</div>" for layout, panel in zip(layouts, panels, strict=True)
+        f"<div><h3>{escape(layout.layout)}</h3>{panel}</div>" for layout, panel in zip(layouts, panels, strict=True)
     )
     parts = [legend(entrants), f'<div class="panels">{figures}</div>', note(said)]
     return Section("Ordered curves", parts, plots={"curves": curves_plot(entrants, layouts)})
