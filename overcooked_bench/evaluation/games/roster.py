@@ -15,7 +15,9 @@ from overcooked_bench.agents.pools.manifest import PoolError, check_version
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.pools.records import BehaviourReference, Entry, PolicyReference, ScriptedReference
 from overcooked_bench.agents.seated import Seated
-from overcooked_bench.evaluation.protocol import Protocol, ProtocolError
+from overcooked_bench.errors import WrongUse
+from overcooked_bench.evaluation.pools.normalised import normalised, partner_shares
+from overcooked_bench.evaluation.protocol import Play, Protocol, ProtocolError
 from overcooked_bench.kitchen.layout import MIRRORED, Layout
 
 if TYPE_CHECKING:
@@ -77,7 +79,8 @@ def check_pool(pool: Pool, protocol: Protocol, layouts: Sequence[str]) -> None:
 
     Raises:
         ProtocolError: Cooking or action mode differ, or a layout has no partners that count.
-        PoolError: A scripted partner has another version here than the pool means.
+        PoolError: A scripted partner has another version here than the pool means, or partners have weights or bounds
+            that they cannot be scored with.
     """
     for what, of_pool, of_protocol in (
         ("cooking", pool.cooking, protocol.play.cooking),
@@ -97,6 +100,29 @@ def check_pool(pool: Pool, protocol: Protocol, layouts: Sequence[str]) -> None:
     for layout in layouts:
         for partner in roster(pool, layout):
             check_version(pool.manifest, partner.entry)
+        _check_measured(pool, layout, protocol)
+
+
+def _check_measured(pool: Pool, layout: str, protocol: Protocol) -> None:
+    """Computes shares, and N where it is reported, of made-up returns: what fails now would fail in the end."""
+    entries = [partner.entry for partner in roster(pool, layout, protocol.play.per_stratum)]
+    bounded, sides = [entry for entry in entries if entry.bounds], _sides(Layout.load(layout), protocol.play)
+    returns = np.full((1, len(bounded), max(sides) + 1), np.nan)
+    returns[..., sides] = 0.0
+    try:
+        partner_shares([entry for entry in entries if entry.role != FLOOR])
+        if not protocol.report.metrics or {"n", "h50"} & set(protocol.report.metrics):
+            normalised(returns, bounded)
+    except WrongUse as error:
+        raise PoolError(f"the pool {pool.name!r} on {layout}: {error}") from error
+
+
+def _sides(layout: Layout, play: Play) -> list[int]:
+    """Lists the regions that the scored agent can start in."""
+    if play.start == "standard" and layout.start_cells:
+        return [layout.regions[layout.start_cells[seat]] for seat in play.seats]
+    able = layout.start_regions
+    return np.flatnonzero(np.any([able.any(axis=1 - seat) for seat in play.seats], axis=0)).tolist()
 
 
 @lru_cache(maxsize=16)

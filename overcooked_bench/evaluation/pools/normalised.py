@@ -103,7 +103,7 @@ def normalised(means: ArrayLike, partners: Sequence[Known]) -> NDArray[np.float6
 def partner_shares(partners: Sequence[Known]) -> NDArray[np.float64]:
     """Returns each partner's share of the whole score: strata have the same share, and divide it by `Entry.weight`.
 
-    Where a stratum's partners have no weights, they weigh the same.
+    Where a stratum's partners have no weights, or are only such as have the weight 0, they weigh the same.
 
     Args:
         partners: P entries of one layout; floors have no place among them.
@@ -112,7 +112,7 @@ def partner_shares(partners: Sequence[Known]) -> NDArray[np.float64]:
         (P,) with the sum 1.
 
     Raises:
-        WrongUse: Some partners of a stratum have a weight and others have none, or all weights are 0.
+        WrongUse: Some partners of a stratum have a weight and others have none.
     """
     strata: dict[str, list[int]] = defaultdict(list)
     for index, entry in enumerate(partners):
@@ -124,9 +124,7 @@ def partner_shares(partners: Sequence[Known]) -> NDArray[np.float64]:
             raise WrongUse(
                 f"{len(known)} of {len(members)} partners of the stratum {stratum!r} have a weight; all must"
             )
-        weights = np.array(known or [1.0] * len(members))
-        if weights.sum() <= 0:
-            raise WrongUse(f"the weights of the stratum {stratum!r} sum to {weights.sum():g}; give some above 0")
+        weights = np.array(known if sum(known) > 0 else [1.0] * len(members))
         shares[members] = weights / weights.sum() / len(strata)
     return shares
 

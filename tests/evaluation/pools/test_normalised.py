@@ -82,5 +82,9 @@ def test_partners_without_usable_bounds_or_weights_are_refused():
         normalised([[[1.0]]], [partner("flat", bounds=((40, 40),))])
     with pytest.raises(WrongUse, match="1 of 2 partners of the stratum 'own' have a weight"):
         partner_shares([partner("a", weight=1.0), partner("b")])
-    with pytest.raises(WrongUse, match="sum to 0"):
-        partner_shares([partner("a", weight=0.0)])
+
+
+def test_a_partner_of_weight_0_counts_only_where_it_is_looked_at_alone():
+    some = [partner("a", weight=1.0), partner("b", weight=0.0)]
+    assert partner_shares(some).tolist() == [1.0, 0.0]
+    assert partner_shares(some[1:]).tolist() == [1.0]
