@@ -92,6 +92,16 @@ def test_the_headline_stands_first_with_its_interval_and_the_reference(folder, s
     assert {"Ordered curves", "Partners", "Seats and sides", "How they cooperate", "Why it failed"} < set(headings)
 
 
+def test_without_curves_and_ranks_there_is_no_empty_plot_and_a_standard_error(scores, tmp_path):
+    settings = msgspec.structs.replace(
+        scores.settings, report=msgspec.structs.replace(scores.settings.report, ranked=False)
+    )
+    rows = tuple(row for row in scores.rows if not row.metric.startswith("curve"))
+    sections = report.write_report(msgspec.structs.replace(scores, settings=settings, rows=rows), tmp_path)
+    assert "Ordered curves" not in [section.title for section in sections]
+    assert f"± {scores.find('n').error:.2f} (standard error)" in (tmp_path / "report.html").read_text()
+
+
 def test_tables_and_plots_say_what_the_score_says(folder, scores, opened):
     page = opened(folder / "report.html")
     cells = page.locator("table.heat td[title]")

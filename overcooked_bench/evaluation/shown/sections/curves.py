@@ -19,8 +19,9 @@ _COLUMNS = 3
 
 
 def curves_section(material: Material) -> Section | None:
-    """Draws the ordered curve of each layout beside the chosen scores and the reference; None if nothing was played."""
-    layouts, entrants = material.scores.layouts, material.entrants
+    """Draws the ordered curve of each layout beside the chosen scores and the reference; None if the score has none."""
+    entrants = material.entrants
+    layouts = [layout for layout in material.scores.layouts if _curve(material.scores, layout.layout)]
     if not layouts:
         return None
     panels = [_panel_plot(entrants, layout).element() for layout in layouts]
@@ -37,8 +38,8 @@ def curves_section(material: Material) -> Section | None:
 
 def curves_plot(entrants: Sequence[Entrant], layouts: Sequence[LayoutFacts]) -> Plot:
     """Returns all panels in one plot."""
-    columns = max(1, min(_COLUMNS, len(layouts)))
-    rows = -(-len(layouts) // columns) or 1
+    columns = min(_COLUMNS, len(layouts))
+    rows = -(-len(layouts) // columns)
     size = (_PANEL[0] * columns, _PANEL[1] * rows + 0.4)
     return Plot(partial(_paint_all, entrants=entrants, layouts=layouts), size, "ordered curves")
 
@@ -57,9 +58,6 @@ def _panel_plot(entrants: Sequence[Entrant], layout: LayoutFacts) -> Plot:
 
 
 def _paint_all(figure: "Figure", entrants: Sequence[Entrant], layouts: Sequence[LayoutFacts]) -> None:
-    if not layouts:
-        figure.text(0.5, 0.5, "nothing was played", ha="center")
-        return
     columns = min(_COLUMNS, len(layouts))
     grid = figure.subplots(-(-len(layouts) // columns), columns, squeeze=False).ravel()
     for axes in grid[len(layouts) :]:

@@ -5,7 +5,7 @@ from html import escape
 from typing import Final
 
 from overcooked_bench.evaluation.metric import MetricFacts
-from overcooked_bench.evaluation.scores import Scores
+from overcooked_bench.evaluation.scores import Row, Scores
 from overcooked_bench.evaluation.shown.card import card_table, columns_note
 from overcooked_bench.evaluation.shown.comparison import title_of
 from overcooked_bench.evaluation.shown.notes import short_notes
@@ -55,14 +55,21 @@ def _cards(material: Material) -> Iterator[str]:
         row = scores.find(facts.name)
         if row is None:
             continue
-        number = figure(row.estimate, facts, True)
+        number = figure(row.estimate, facts, scores.settings.report.ranked)
+        error = number.interval if scores.settings.report.ranked else _standard_error(row, facts)
         said = _beside(material.reference, facts) if material.reference else ""
         shown.append(
             f"<div><p>{escape(title_of(facts))}</p><p><b>{escape(number.value)}</b> "
-            f"<small>{escape(number.interval)}</small></p><p><small>{escape(said)}</small></p></div>"
+            f"<small>{escape(error)}</small></p><p><small>{escape(said)}</small></p></div>"
         )
     if shown:
         yield f'<div class="cards">{"".join(shown)}</div>'
+
+
+def _standard_error(row: Row, facts: MetricFacts) -> str:
+    """Writes what is known about a number that is not ranked."""
+    factor = 100 if facts.unit == "share" else 1
+    return "" if row.error is None else f"± {factor * row.error:.{facts.digits}f} (standard error)"
 
 
 def _beside(reference: Scores, facts: MetricFacts) -> str:
