@@ -86,7 +86,7 @@ def _score(options: argparse.Namespace) -> int:
     rules = load_protocol(options.protocol or NEWEST)
     with ProgressBar("compiling and loading") as report:
         scored = score(
-            _unpacked(options.agent),
+            unpacked_agent(options.agent),
             protocol=rules if options.start is None else with_start(rules, options.start),
             pool=options.pool,
             layouts=options.layouts,
@@ -115,7 +115,7 @@ def _score(options: argparse.Namespace) -> int:
     return 0
 
 
-def _unpacked(agent: str) -> str:
+def unpacked_agent(agent: str) -> str:
     """Returns the agent, or the folder next to a packed submission with its files."""
     if not agent.endswith(".submission.zip"):
         return agent

@@ -100,13 +100,14 @@ def summarise(
     return msgspec.structs.replace(scores, overall=first and first.estimate, unranked=unranked)
 
 
-def recompute(source: str | Path, report: Report | None = None) -> Scores:
+def recompute(source: str | Path, report: Report | None = None, declined: Sequence[Declined] = ()) -> Scores:
     """Computes a score again from its stored episodes alone, all of which are replayed.
 
     Args:
         source: The folder of a score, or its episodes.sqlite, of this schema or an older one.
         report: How the games are scored, instead of as the store says: scores of the same games whose protocols report
             them differently become comparable.
+        declined: Layouts that the agent does not play, which episodes do not say.
 
     Returns:
         The numbers of the layouts that were finished, without scenarios.
@@ -123,7 +124,7 @@ def recompute(source: str | Path, report: Report | None = None) -> Scores:
         seeds = read_facts(store).training_seeds or 1 + max((run for _, run, _ in blocks), default=0)
         known = Counter(layout for layout, run, episode in blocks if run < seeds and episode < episodes)
         finished = [layout for layout in rules.play.layouts if known[layout] == seeds * episodes]
-        return summarise(store, rules, training_seeds=seeds, finished=finished, conduct=True)
+        return summarise(store, rules, training_seeds=seeds, finished=finished, declined=declined, conduct=True)
 
 
 def compute_rows(cells: Sequence[Cells], metrics: Sequence[Metric], report: Report, overall: bool) -> tuple[Row, ...]:

@@ -1,0 +1,91 @@
+"""`overcooked-bench leaderboard`: audits results and takes them back."""
+
+import argparse
+from typing import Any
+
+from overcooked_bench.commands.common import (
+    add_act_timeout,
+    add_command,
+    add_group,
+    add_isolate,
+    add_json,
+    add_workers,
+    console,
+)
+
+_RESULT = "the folder of a score"
+
+
+def add_leaderboard(commands: Any) -> None:
+    """Declares the group."""
+    inner = add_group(
+        commands,
+        "leaderboard",
+        "audit results, and take them back",
+        "overcooked-bench leaderboard audit scores/my_agent-v1 --agent my_agent.py",
+    )
+    parser = add_command(
+        inner,
+        "audit",
+        _audit,
+        "check every number of a result, play some of its cells again, and write audit.json beside it; exits with 1 if "
+        "anything is wrong",
+        "overcooked-bench leaderboard audit scores/my_agent-v1 --agent my_agent.py --isolate",
+    )
+    parser.add_argument("result", metavar="RESULT", help=_RESULT)
+    parser.add_argument(
+        "--agent",
+        metavar="AGENT",
+        help="the scored agent, as `score` takes it; without it nothing of its play is checked, and it stays unranked",
+    )
+    parser.add_argument("--pool", metavar="NAME|FOLDER", help="the pool that was played with (default: the protocol's)")
+    parser.add_argument(
+        "--all", action="store_true", help="play all cells again, not only 2 %% (20 at least); then it is reproduced"
+    )
+    add_workers(parser)
+    add_act_timeout(parser)
+    add_isolate(parser)
+    add_json(parser)
+    parser = add_command(
+        inner,
+        "withdraw",
+        _withdraw,
+        "take an audited result back, which stays listed with the reason and the date",
+        'overcooked-bench leaderboard withdraw scores/my_agent-v1 --reason "trained on v1"',
+    )
+    parser.add_argument("result", metavar="RESULT", help=f"{_RESULT} that was audited")
+    parser.add_argument("--reason", metavar="TEXT", required=True, help="why, in one line")
+    parser.add_argument("--date", metavar="YYYY-MM-DD", help="since when (default: today)")
+
+
+def _audit(options: argparse.Namespace) -> int:
+    from overcooked_bench.commands.score import unpacked_agent
+    from overcooked_bench.evaluation.games.engines import default_workers
+    from overcooked_bench.leaderboard.audit.audit import audit
+    from overcooked_bench.leaderboard.audit.records import AUDIT_FILE
+    from overcooked_bench.leaderboard.audit.terminal import audit_tables
+
+    found = audit(
+        options.result,
+        None if options.agent is None else unpacked_agent(options.agent),
+        pool=options.pool,
+        everything=options.all,
+        isolate=options.isolate,
+        act_timeout=options.act_timeout,
+        workers=options.workers or default_workers(),
+    )
+    if options.json:
+        from pathlib import Path
+
+        print(Path(options.result, AUDIT_FILE).read_text("utf-8"), end="")
+    else:
+        console().print(audit_tables(found))
+    return 0 if found.sound else 1
+
+
+def _withdraw(options: argparse.Namespace) -> int:
+    from overcooked_bench.leaderboard.audit.audit import withdraw
+
+    taken = withdraw(options.result, options.reason, options.date)
+    print(f"{options.result}: {taken.status}; its files stay")
+    return 0
