@@ -243,6 +243,9 @@ def test_the_command_prints_a_table_or_json_and_writes_a_page(pair, capsys, tmp_
     assert (tmp_path / "new" / "comparison.html").stat().st_size > 2000
     assert main(["compare", *folders, "--metric", "threshold", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert [one["params"] for one in told["metrics"][0]["pairs"][0]["differences"][:2]] == [{"soups": 1.0}, {"soups": 3.0}]
+    assert [one["params"] for one in told["metrics"][0]["pairs"][0]["differences"][:2]] == [
+        {"soups": 1.0},
+        {"soups": 3.0},
+    ]
     assert main(["compare", folders[0], "nowhere"]) == 2
     assert "nowhere" in capsys.readouterr().err
