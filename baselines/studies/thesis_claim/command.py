@@ -147,7 +147,7 @@ def _parser() -> argparse.ArgumentParser:
         one.add_argument("--workers", type=int, default=1, help="processes (default: 1)")
 
     report = commands.add_parser("report", help="analyses the records as the plan says and writes the result page")
-    report.add_argument("--ended", action="store_true", help="there will be no more blocks; those there are analysed")
+    report.add_argument("--ended", action="store_true", help="compute has ended: analyses the blocks that are there")
     report.set_defaults(do=_report)
 
     for name, what, does in (

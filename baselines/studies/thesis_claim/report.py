@@ -44,7 +44,7 @@ def make_result(study: Study, home: Path, known: Registered, changed: Sequence[s
         if len(records) < planned[layout] and not ended:
             raise StudyError(
                 f"{layout}: {len(records)} of {planned[layout]} blocks are there, and nothing is looked at before all "
-                "are; run the rest, or give --ended if there will be no more"
+                "are; run the rest, or give --ended if compute has ended"
             )
         if len(records) < 2 and layout == HOME_LAYOUT:
             raise StudyError(f"{layout}: {len(records)} blocks are there; two are the least that has an interval")
