@@ -47,6 +47,15 @@ _BY_THEME: Final = {
 """Colours of a plot -> what they become on a page that is light or dark."""
 
 
+_LONGEST: Final = 26
+"""Characters of a name beside a plot; a kitchen of somebody else is called by the path of its file."""
+
+
+def short_name(name: str) -> str:
+    """Returns the end of a name that is too long to stand beside a plot."""
+    return name if len(name) <= _LONGEST else "…" + name[1 - _LONGEST :]
+
+
 class Plot(NamedTuple):
     """A plot.
 

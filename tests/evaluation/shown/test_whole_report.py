@@ -46,25 +46,25 @@ def pool(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def rules(pool):
-    """Scored as v1 does."""
-    text = protocol_text(layouts=LAYOUTS, pool=str(pool), horizon=200, episodes=3, object_probability=0.0)
+def rules():
+    """Scored as v1 does; without the pool's folder, which would give each run other start states and moments."""
+    text = protocol_text(layouts=LAYOUTS, pool="strangers", horizon=200, episodes=3, object_probability=0.0)
     v1 = load_protocol("v1").report
     return reporting(read_protocol(text, "p.yaml"), **{name: getattr(v1, name) for name in v1.__struct_fields__})
 
 
 @pytest.fixture(scope="module")
-def folder(rules, tmp_path_factory):
+def folder(rules, pool, tmp_path_factory):
     """The score, explained, and the files that the command writes beside the score of another agent."""
     home = tmp_path_factory.mktemp("scores")
-    mine = score(AGENT, rules, output=home / "mine")
-    explain(mine.folder, moments=8)
+    mine = score(AGENT, rules, pool=pool, output=home / "mine")
+    explain(mine.folder, pool=pool, moments=8)
     chosen = []
     for name in ("theirs", "another's"):
         (home / name).mkdir()
         msgspec.structs.replace(mine.scores, agent=Source(name, "0" * 64)).write(home / name / "score.json")
         chosen += ["--beside", str(home / name)]
-    reference = score("greedy", rules, output=home / "greedy").scores
+    reference = score("greedy", rules, pool=pool, output=home / "greedy").scores
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report, "beside", lambda scores, folder: Beside(reference))
         assert main(["report", str(mine.folder), *chosen]) == 0

@@ -6,7 +6,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from overcooked_bench.evaluation.scores import LayoutFacts, Row, Scores
-from overcooked_bench.evaluation.shown.figures import DIM, LINE, Plot
+from overcooked_bench.evaluation.shown.figures import DIM, LINE, Plot, short_name
 from overcooked_bench.evaluation.shown.sections.section import Entrant, Material, Section, legend
 from overcooked_bench.rendering.page import note
 
@@ -64,7 +64,7 @@ def _paint_all(figure: "Figure", entrants: Sequence[Entrant], layouts: Sequence[
         axes.set_axis_off()
     for axes, layout in zip(grid, layouts, strict=False):
         _panel(axes, entrants, layout)
-        axes.set_title(layout.layout, fontsize=9, loc="left")
+        axes.set_title(short_name(layout.layout), fontsize=9, loc="left")
     lines, names = grid[0].get_legend_handles_labels()
     figure.legend(lines[::-1], names[::-1], loc="outside upper left", ncols=4, fontsize=9)
 

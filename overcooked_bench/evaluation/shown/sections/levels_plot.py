@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from overcooked_bench.evaluation.metric import MetricFacts
 from overcooked_bench.evaluation.scores import Row, Scores
 from overcooked_bench.evaluation.shown.comparison import ALL_LAYOUTS, title_of
-from overcooked_bench.evaluation.shown.figures import DIM, Plot
+from overcooked_bench.evaluation.shown.figures import DIM, Plot, short_name
 from overcooked_bench.evaluation.shown.sections.section import Entrant, Material
 from overcooked_bench.evaluation.shown.tables import figure
 
@@ -59,7 +59,7 @@ def _paint(painted: "Figure", material: Material, facts: MetricFacts, legend: bo
         for place, row in enumerate(_found(one.scores, scores, facts)):
             if row is not None:
                 _mark(axes, one, place + _offset(one, scored), row, facts)
-    axes.set_yticks(range(len(names)), names)
+    axes.set_yticks(range(len(names)), [*map(short_name, names)])
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.axvline(0, color=DIM, linewidth=0.8)
     axes.set_xlabel(title_of(facts) + (f" ({'%' if facts.unit == 'share' else facts.unit})" if facts.unit else ""))

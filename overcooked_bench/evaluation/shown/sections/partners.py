@@ -11,7 +11,7 @@ from overcooked_bench.evaluation.metric import MetricFacts
 from overcooked_bench.evaluation.scores import MEAN, Row, Scores
 from overcooked_bench.evaluation.shown.card import STRATA
 from overcooked_bench.evaluation.shown.comparison import title_of
-from overcooked_bench.evaluation.shown.figures import DIM, Plot
+from overcooked_bench.evaluation.shown.figures import DIM, Plot, short_name
 from overcooked_bench.evaluation.shown.sections.section import Material, Section
 from overcooked_bench.evaluation.shown.tables import NONE, figure, name_of
 from overcooked_bench.rendering.page import note
@@ -171,7 +171,9 @@ def _paint(painted: "Figure", scores: Scores, facts: MetricFacts, lines: Sequenc
             text, ink = str(figure(row.estimate, facts, False)), _colours(value / top)[1]
             axes.text(x, y, text, ha="center", va="center", fontsize=6, color=ink)
     axes.set_yticks(range(len(lines)), [line.name for line in lines], fontsize=7)
-    axes.set_xticks(range(len(scores.layouts)), [layout.layout for layout in scores.layouts], rotation=40, ha="left")
+    axes.set_xticks(
+        range(len(scores.layouts)), [short_name(layout.layout) for layout in scores.layouts], rotation=40, ha="left"
+    )
     axes.xaxis.tick_top()
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 
 from overcooked_bench.evaluation.explaining.reasons import REASONS, Reason
 from overcooked_bench.evaluation.explaining.records import Explanation, Shares
-from overcooked_bench.evaluation.shown.figures import COLOURS, Plot
+from overcooked_bench.evaluation.shown.figures import COLOURS, Plot, short_name
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +38,7 @@ def _paint(figure: "Figure", bars: list[tuple[str, Shares]]) -> None:
         label = REASONS[reason].heading.replace("\n", " ")
         axes.barh(range(len(bars)), widths, 0.7, left, color=colour, label=label)
         left = [start + width for start, width in zip(left, widths, strict=True)]
-    axes.set_yticks(range(len(bars)), [name for name, _ in bars])
+    axes.set_yticks(range(len(bars)), [short_name(name) for name, _ in bars])
     axes.set_ylim(len(bars) - 0.5, -0.5)
     axes.set_xlim(0, 100)
     axes.set_xlabel("moments (%)")
