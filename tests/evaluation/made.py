@@ -101,7 +101,7 @@ def make_agent(layout, training_seed):
     {make}
     return Agent(layout, training_seed)
 """
-DRAW = "return sample_actions(np.full((n, 6), 1 / 6), self.seeds, step)"
+DRAW = "return sample_actions(np.full((n, 6), 1 / 6), self.seeds + self.training_seed, step)"
 
 
 def write_agent(file, act=DRAW, reset="pass", make="pass", observation="lossless", training_seeds=1):
