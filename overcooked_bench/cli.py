@@ -25,6 +25,7 @@ from overcooked_bench.commands.score import add_score
 from overcooked_bench.commands.submission import add_submission
 from overcooked_bench.commands.train import add_train
 from overcooked_bench.errors import OvercookedBenchError
+from overcooked_bench.files import printable
 from overcooked_bench.processes import sigterm_as_ctrl_c
 
 COMMANDS: Final[list[Callable[[Any], None]]] = [
@@ -61,7 +62,7 @@ def _run(given: list[str]) -> int:
         sys.stderr.close()
         return 0
     except (OvercookedBenchError, OSError) as error:
-        print(f"overcooked-bench: {error}", file=sys.stderr)
+        print(f"overcooked-bench: {printable(error)}", file=sys.stderr)
         return getattr(error, "exit_code", OvercookedBenchError.exit_code)
 
 

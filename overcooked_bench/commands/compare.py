@@ -33,11 +33,10 @@ def add_compare(commands: Any) -> None:
 def _compare(options: argparse.Namespace) -> int:
     from pathlib import Path
 
-    from rich.text import Text
-
     from overcooked_bench.evaluation.comparing.compare import compare
     from overcooked_bench.evaluation.shown.comparison import comparison_tables
     from overcooked_bench.evaluation.shown.comparison_page import COMPARISON_FILE, write_comparison
+    from overcooked_bench.rendering.table import styled
 
     found = compare(*options.scores, metric=options.metric)
     file = Path(options.output) / COMPARISON_FILE if options.output else None
@@ -50,5 +49,5 @@ def _compare(options: argparse.Namespace) -> int:
     shown = console()
     shown.print(comparison_tables(found))
     if file is not None:
-        shown.print(Text(f"{file}  the page", style="dim"), soft_wrap=True)
+        shown.print(styled(f"{file}  the page", "dim"), soft_wrap=True)
     return 0

@@ -54,6 +54,7 @@ def _explain(options: argparse.Namespace) -> int:
     from overcooked_bench.evaluation.scores import REPORT_FILE, SCORES_FILE, read_scores
     from overcooked_bench.evaluation.shown.explanation import explanation_tables
     from overcooked_bench.evaluation.shown.report import write_report
+    from overcooked_bench.rendering.table import styled
 
     with ProgressBar("compiling and loading") as tell:
         explanation, folder = explain(
@@ -83,7 +84,7 @@ def _explain(options: argparse.Namespace) -> int:
             f"watch one, four games each: overcooked-bench replay {kept / GAMES_FILE} --game 0",
         ]
     for line in lines:
-        shown.print(line, style="dim", soft_wrap=True, highlight=False, markup=False)
+        shown.print(styled(line, "dim"), soft_wrap=True)
     return 0
 
 

@@ -132,11 +132,10 @@ def _progress(at: "Progress") -> tuple[Any, ...]:
 
 
 def _print_score(scored: "Scored", explain: bool) -> None:
-    from rich.text import Text
-
     from overcooked_bench.evaluation.beside import beside
     from overcooked_bench.evaluation.scores import CURVE_FILE, EPISODES_FILE, REPORT_FILE, SCENARIOS_FILE, SCORES_FILE
     from overcooked_bench.evaluation.shown.terminal import score_tables
+    from overcooked_bench.rendering.table import styled
 
     folder, shown = scored.folder, console()
     shown.print(score_tables(scored.scores, beside(scored.scores, folder), explain, shown.width))
@@ -155,4 +154,4 @@ def _print_score(scored: "Scored", explain: bool) -> None:
     lines.append(f"watch the worst one: overcooked-bench replay {folder} --worst")
     lines.append(f"plots and tables as files, beside other scores: overcooked-bench report {folder} [--beside SCORE]")
     for line in lines:
-        shown.print(Text(line, style="dim"), soft_wrap=True)
+        shown.print(styled(line, "dim"), soft_wrap=True)

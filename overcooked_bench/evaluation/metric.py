@@ -4,14 +4,16 @@ A metric is one file in `evaluation/metrics/` that defines `METRIC`. Intervals, 
 score.json and all tables follow from it.
 """
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pkgutil import iter_modules
-from typing import Final, Literal, NamedTuple
+from typing import Annotated, Final, Literal, NamedTuple
 
 import msgspec
 import numpy as np
+from msgspec import Meta
 from numpy.typing import ArrayLike, NDArray
 
 from overcooked_bench.estimate import Estimate
@@ -36,7 +38,7 @@ class MetricFacts(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
     Attributes:
         name: Its name in score.json.
         label: Heading of its column; parameters in braces are filled in, as in `≥{soups:g}`; `{chef:own|partner's}`
-            picks one of the words by number.
+            picks one of the words by number. Nothing else is understood in braces.
         unit: "points", "share" (shown in percent), "soups", "partners", ...
         digits: After the decimal point.
         note: One sentence below the table; empty if the label says it all.
@@ -47,21 +49,26 @@ class MetricFacts(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
     name: str
     label: str
     unit: str = "points"
-    digits: int = 1
+    digits: Annotated[int, Meta(ge=0, le=9)] = 1
     note: str = ""
     interval: bool = True
     tables: tuple[Literal["terminal", "report"], ...] = ("terminal", "report")
 
     def heading(self, params: Params) -> str:
-        """Returns the label with its parameters."""
-        return self.label.format(**{name: _Worded(value) for name, value in params.items()})
+        """Returns the label with its parameters.
 
+        Raises:
+            ValueError: The label has a parameter that is not given, or a number of a word that it does not list.
+        """
 
-class _Worded(float):
-    """A parameter that picks one of several words where a label lists them."""
+        def filled(field: re.Match[str]) -> str:
+            name, _, spec = field[1].partition(":")
+            value, words = params.get(name), spec.split("|")
+            if value is None or (len(words) > 1 and value not in range(len(words))):
+                raise ValueError(f"the label {self.label!r} cannot be filled in with {dict(params)}")
+            return words[int(value)] if len(words) > 1 else f"{value:g}"
 
-    def __format__(self, spec: str) -> str:
-        return spec.split("|")[int(self)] if "|" in spec else super().__format__(spec)
+        return re.sub(r"\{([^{}]*)\}", filled, self.label)
 
 
 def _once(report: Report, cells: Cells) -> Iterable[Params]:

@@ -10,7 +10,6 @@ protocol is one file in `protocols/`.
 """
 
 import hashlib
-import math
 import re
 from collections.abc import Mapping
 from functools import cache
@@ -20,6 +19,8 @@ from typing import Any, Final, Literal
 
 import msgspec
 
+from overcooked_bench.agents.entries import shipped_entries
+from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.documents import LONGEST, Document, parse_yaml
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.evaluation import metrics
@@ -172,7 +173,7 @@ class Report(_Part, frozen=True, kw_only=True):
             the same with least variances for counts and single partners, and over partners for a single training run;
             see `estimators.py`.
         scenarios: The suite of cooperation scenarios; null for the shipped one, whatever it is.
-        reference: The agent that every table shows beside the scored one.
+        reference: The scripted agent or entry that every table shows beside the scored one.
         criterion: The shipped protocol whose mean return is a further column, where the agent was scored with it.
         ordered: How ordered curves are summarised over training seeds, in `crossplay`.
     """
@@ -188,10 +189,10 @@ class Report(_Part, frozen=True, kw_only=True):
     ordered: OrderedReport | None = None
 
     def __post_init__(self) -> None:
-        right = all(0 < soups < math.inf for soups in self.thresholds)
+        right = all(0 < soups <= MOST_STEPS for soups in self.thresholds)
         listed = set(self.headlines) <= set(self.metrics or self.headlines)
         _check(
-            ("thresholds", self.thresholds, right, "numbers of soups above 0"),
+            ("thresholds", self.thresholds, right, f"numbers of soups above 0, {MOST_STEPS:,} at most"),
             ("metrics", self.metrics, len(set(self.metrics)) == len(self.metrics), "each once"),
             ("headlines", self.headlines, listed, "names that are among the metrics"),
         )
@@ -284,7 +285,8 @@ def _check_names(document: Document, protocol: Protocol) -> None:
     """Checks what only a file has to keep, since stored protocols may be of another version of the package.
 
     Raises:
-        ProtocolError: A metric or a protocol is unknown, or a protocol that ranks does not say which pool it means.
+        ProtocolError: A metric, an agent or a protocol is unknown, or a protocol that ranks does not say which pool it
+            means.
     """
     play, report = protocol.play, protocol.report
     known = sorted(info.name for info in iter_modules(metrics.__path__))
@@ -294,6 +296,12 @@ def _check_names(document: Document, protocol: Protocol) -> None:
                 raise document.error(
                     ("report", key, index), f"no metric {name!r}; {guess(name, known)}metrics are {', '.join(known)}"
                 )
+    if report.reference is not None and report.reference not in (agents := (*SCRIPTED, *shipped_entries())):
+        raise document.error(
+            ("report", "reference"),
+            f"no scripted agent or entry {report.reference!r}; {guess(report.reference, agents)}known are "
+            f"{', '.join(agents)}",
+        )
     if report.criterion is not None and report.criterion not in (names := protocol_names()):
         raise document.error(
             ("report", "criterion"),

@@ -294,12 +294,13 @@ def _choose(rules: Protocol, layouts: Sequence[str] | None, entrant: Entrant) ->
 
 
 def _write(scores: Scores, items: ScenariosPlayed | None, folder: Path) -> None:
+    """Writes the files, the numbers first: whatever the page shows besides may be damaged."""
+    scores.write(folder / SCORES_FILE)
     for section in write_report(scores, folder):
         if "curves" in section.plots:
             section.plots["curves"].save(folder / CURVE_FILE)
     if items:
         write_scenarios(items, scores.agent.name, scores.settings.play.mode, folder)
-    scores.write(folder / SCORES_FILE)
 
 
 def _run_facts(started: datetime, seconds: float, workers: int, engine: str) -> Mapping[str, Any]:

@@ -3,10 +3,12 @@
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Annotated, Any, Final, Literal
 
 import msgspec
+from msgspec import Meta
 
+from overcooked_bench.agents.submissions.loading import MOST_TRAINING_SEEDS
 from overcooked_bench.documents import read_json
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.estimate import Estimate
@@ -33,6 +35,12 @@ UPGRADES: Final[dict[int, Callable[[dict[str, Any]], dict[str, Any]]]] = {1: fro
 
 _MOST_BYTES: Final = 64_000_000
 
+LARGEST: Final = 1e9
+"""No number in a row is so large; plots of much larger ones overflow."""
+Bounded = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]
+
+_NEEDS: Final = {"curve": "rank", "curve_quantile": "rank", "undecided": "soups"}
+"""Metric -> the parameter that plots and notes read from its rows."""
 
 ABOUT: Final = ("layout", "seat", "side", "stratum", "home", "partner")
 """Entries of a row that say what it is about."""
@@ -63,18 +71,18 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """
 
     metric: str
-    params: dict[str, float] = {}
+    params: dict[str, Bounded] = {}
     layout: str | None = None
     seat: int | None = None
     side: int | None = None
     stratum: str | None = None
     home: bool | None = None
     partner: str | None = None
-    value: float
-    low: float | None = None
-    high: float | None = None
-    error: float | None = None
-    per_repetition: tuple[float, ...] | None = None
+    value: Bounded
+    low: Bounded | None = None
+    high: Bounded | None = None
+    error: Bounded | None = None
+    per_repetition: tuple[Bounded, ...] | None = None
 
     @property
     def estimate(self) -> Estimate:
@@ -101,7 +109,7 @@ class LayoutFacts(msgspec.Struct, frozen=True):
 
     layout: str
     adapted: bool
-    soup_points: float
+    soup_points: Annotated[float, Meta(gt=0, le=LARGEST)]
     partners: tuple[PartnerLabel, ...]
     remark: str | None = None
 
@@ -216,7 +224,7 @@ class Scores(msgspec.Struct, frozen=True, kw_only=True):
     pool: Source | None
     seed: int
     salt: str
-    training_seeds: int
+    training_seeds: Annotated[int, Meta(ge=1, le=MOST_TRAINING_SEEDS)]
     interval: str
     overall: Estimate | None
     unranked: str | None
@@ -284,7 +292,7 @@ def read_scores(file: str | Path) -> Scores:
         file: The file, or the folder of a score.
 
     Raises:
-        ScoresError: It is missing or damaged, not a score.json, or of a newer schema.
+        ScoresError: It is missing or damaged, not a score.json, of a newer schema, or its entries do not fit together.
     """
     path = in_folder(file, SCORES_FILE)
     content: dict[str, Any] = read_json(path, _MOST_BYTES, dict, ScoresError)
@@ -295,8 +303,36 @@ def read_scores(file: str | Path) -> Scores:
             schema = content.get("schema")
         if schema != SCHEMA:
             raise ScoresError(f"{path}: its schema is {schema!r}; this version reads {SCHEMA} and {list(UPGRADES)}")
-        return msgspec.convert(content, Scores)
+        scores = msgspec.convert(content, Scores)
+        _check(scores)
     except ScoresError:
         raise
     except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError) as error:
         raise ScoresError(f"{path}: not a score.json of schema {content.get('schema')!r} ({error})") from error
+    return scores
+
+
+def _check(scores: Scores) -> None:
+    """Checks that a score can be shown and compared.
+
+    Raises:
+        ValueError: It cannot; says which entry is wrong.
+    """
+    if not isinstance(scores.run.get("versions", {}), dict):
+        raise ValueError("run.versions is not an object")
+    known = {facts.name: facts for facts in scores.metrics}
+    if scores.layouts and MEAN not in known:
+        raise ValueError(f"metrics do not list {MEAN!r}")
+    for metric, params in dict.fromkeys((row.metric, tuple(row.params.items())) for row in scores.rows):
+        if metric not in known:
+            raise ValueError(f"metrics do not list {metric!r}, which has a row")
+        if _NEEDS.get(metric) not in (None, *dict(params)):
+            raise ValueError(f"a row of {metric!r} has no parameter {_NEEDS[metric]!r}")
+        known[metric].heading(dict(params))
+    if MEAN in known:
+        known[MEAN].heading({})
+    for layout in scores.layouts:
+        there = {row.partner for row in scores.select(MEAN, layout=layout.layout, seat=None)}
+        for label in layout.partners:
+            if label.counts and (label.name not in there or not label.name):
+                raise ValueError(f"no row has the {MEAN} with {label.name!r} on {layout.layout!r}")

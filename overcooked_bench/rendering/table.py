@@ -8,8 +8,11 @@ from html import escape
 from io import StringIO
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from overcooked_bench.files import printable
+
 if TYPE_CHECKING:
     from rich.table import Table as RichTable
+    from rich.text import Text
 
 
 INTERVAL: Final = " [95 %]"
@@ -77,7 +80,7 @@ class Table:
     foot: Sequence[Sequence[Cell]] = ()
 
     def terminal(self) -> "RichTable":
-        """Lays the table out for `rich`; control characters and markup in cells have no effect."""
+        """Lays the table out for `rich`; control characters and markup in texts have no effect."""
         from rich import box
         from rich.table import Table as RichTable
         from rich.text import Text
@@ -85,23 +88,23 @@ class Table:
         table = RichTable(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
         for column in self._columns():
             table.add_column(
-                Text(column.heading),
+                Text(printable(column.heading)),
                 justify="left" if column.left else "right",
                 no_wrap=not column.wrap,
                 overflow="fold" if column.wrap else "ellipsis",
             )
         for row in self._filled(self.rows):
-            table.add_row(*(Text(_printable(cell)) for cell in row))
+            table.add_row(*(Text(printable(cell)) for cell in row))
         for row in self._filled(self.foot):
             table.add_section()
-            table.add_row(*(Text(_printable(cell)) for cell in row))
+            table.add_row(*(Text(printable(cell)) for cell in row))
         return table
 
     def text(self) -> list[str]:
         """Lays the table out as lines of plain text, as wide as they need to be."""
         columns = self._columns()
-        heads = [column.heading.replace("\n", " ") for column in columns]
-        rows = [[_printable(cell) for cell in row] for row in self._filled((*self.rows, *self.foot))]
+        heads = [printable(column.heading).replace("\n", " ") for column in columns]
+        rows = [[printable(cell) for cell in row] for row in self._filled((*self.rows, *self.foot))]
         widths = [max(map(len, cells)) for cells in zip(heads, *rows, strict=True)]
         return ["  ".join(_aligned(row, widths, columns)).rstrip() for row in (heads, *rows)]
 
@@ -155,6 +158,13 @@ class Table:
         return [[*row, *[""] * (len(self.columns) - len(row))] for row in rows]
 
 
+def styled(text: str, style: str = "") -> "Text":
+    """Returns a text for `rich`, in which control characters and markup have no effect."""
+    from rich.text import Text
+
+    return Text(printable(text), style=style)
+
+
 def _aligned(cells: Iterable[str], widths: Iterable[int], columns: Iterable[Column]) -> list[str]:
     return [
         cell.ljust(width) if column.left else cell.rjust(width)
@@ -162,13 +172,8 @@ def _aligned(cells: Iterable[str], widths: Iterable[int], columns: Iterable[Colu
     ]
 
 
-def _printable(cell: Cell) -> str:
-    """Replaces control characters, which names from files may hold, by what Python writes for them."""
-    return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in str(cell))
-
-
 def _markdown(cell: Cell) -> str:
-    text = _printable(cell).replace("\n", " ").replace("|", "\\|").replace("<", "\\<")
+    text = printable(cell).replace("\n", " ").replace("|", "\\|").replace("<", "\\<")
     return f"`{text}`" if isinstance(cell, Code) else text
 
 
@@ -177,7 +182,7 @@ def _html(cell: Cell) -> str:
         return f"<code>{escape(cell.text)}</code>"
     if isinstance(cell, Number):
         return escape(cell.value) + (f" <small>{escape(cell.interval)}</small>" if cell.interval else "")
-    return escape(_printable(cell)).replace("\n", "<br>").replace("_", "_<wbr>")
+    return escape(printable(cell)).replace("\n", "<br>").replace("_", "_<wbr>")
 
 
 def _csv(heading: str, cells: Sequence[Cell]) -> list[list[str]]:

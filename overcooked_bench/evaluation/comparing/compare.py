@@ -187,6 +187,7 @@ def check_same_games(one: str, mine: Scores, other: str, theirs: Scores) -> None
     """
     for what, ours, their in (
         ("protocol", mine.protocol.sha256, theirs.protocol.sha256),
+        ("protocol", mine.settings.sha256, theirs.settings.sha256),  # what it is, not what the file says that it is
         ("pool", mine.pool and mine.pool.sha256, theirs.pool and theirs.pool.sha256),
         ("seed", mine.seed, theirs.seed),
         ("salt", mine.salt, theirs.salt),
@@ -239,6 +240,7 @@ def _as_reported(first: Scores, one: Scores, given: Scores | str | Path) -> Scor
         )
     path = Path(given)
     again = recompute(path.parent if path.name == SCORES_FILE else path, report)
+    check_same_games(first.agent.name, first, f"the store of {one.agent.name}", again)
     return msgspec.structs.replace(again, agent=one.agent)
 
 

@@ -4,10 +4,11 @@ Axes: R repeats.
 """
 
 from collections.abc import Sequence
-from typing import Final, Literal, NamedTuple
+from typing import Annotated, Final, Literal, NamedTuple
 
 import msgspec
 import numpy as np
+from msgspec import Meta
 
 Pairing = Literal["pair", "agent", "partner", "greedy"]
 PAIRINGS: Final[tuple[Pairing, ...]] = ("pair", "agent", "partner", "greedy")
@@ -57,6 +58,9 @@ FAILURES: Final[tuple[Reason, ...]] = ("clash", "inexperience", "weak partner", 
 """Reasons of moments from which the pair fails."""
 
 
+Repeats = Annotated[tuple[float, ...], Meta(min_length=1)]
+
+
 class Soups(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Soups that were paid for from a moment on, in soups of the layout's own value.
 
@@ -67,10 +71,10 @@ class Soups(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         greedy: By two copies of `greedy`, once.
     """
 
-    pair: tuple[float, ...]
-    agent: tuple[float, ...]
-    partner: tuple[float, ...]
-    greedy: tuple[float, ...]
+    pair: Repeats
+    agent: Repeats
+    partner: Repeats
+    greedy: Repeats
 
     def mean(self, pairing: Pairing) -> float:
         """Returns the mean over repeats."""

@@ -10,9 +10,9 @@ from msgspec import Meta
 from overcooked_bench.documents import read_json
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.estimate import Estimate
-from overcooked_bench.evaluation.explaining.reasons import PAIRINGS, Pairing, Reason, Soups
+from overcooked_bench.evaluation.explaining.reasons import PAIRINGS, REASONS, Pairing, Reason, Soups
 from overcooked_bench.evaluation.scores import Source, in_folder
-from overcooked_bench.files import write_whole
+from overcooked_bench.files import shown, write_whole
 from overcooked_bench.kitchen.codes import ACTION_LETTERS
 from overcooked_bench.kitchen.state import KitchenState
 from overcooked_bench.rendering.replay import Frame, frames_of
@@ -80,6 +80,10 @@ class Game(_Record, frozen=True, kw_only=True):
     soups: float
     actions: tuple[Letters, Letters]
 
+    def __post_init__(self) -> None:
+        if len(set(map(len, self.actions))) > 1:
+            raise ValueError(f"one chef has {len(self.actions[0])} actions, the other {len(self.actions[1])}")
+
 
 class Worst(_Record, frozen=True, kw_only=True):
     """One of the worst moments, kept to be watched and played.
@@ -100,6 +104,10 @@ class Worst(_Record, frozen=True, kw_only=True):
     state: dict[str, Any]
     games: dict[Pairing, Game]
     scenario: str | None
+
+    def __post_init__(self) -> None:
+        if set(self.games) != set(PAIRINGS):
+            raise ValueError(f"{self.name} has not all games")
 
     def frames(self, layout: str, pairing: Pairing, cooking: str) -> Iterator[Frame]:
         """Plays a game again: the states that a page shows, and the points earned until then.
@@ -134,6 +142,15 @@ class Shares(_Record, frozen=True, kw_only=True):
     fails: Estimate | None
     reasons: dict[Reason, Estimate]
     soups: dict[Pairing, Estimate]
+
+    def __post_init__(self) -> None:
+        reasons: set[str] = {reason for reason in REASONS if reason != "nothing"}
+        whole: tuple[set[str], set[str]] = (reasons, {*PAIRINGS})
+        wanted = whole if self.moments else (set(), set())
+        if (set(self.reasons), set(self.soups)) != wanted or (self.fails is None) == (self.moments > 0):
+            raise ValueError(
+                f"{self.moments} moments have shares of other reasons, or soups of other pairings, than these"
+            )
 
 
 class AxisShares(_Record, frozen=True, kw_only=True):
@@ -201,6 +218,10 @@ class Explanation(_Record, frozen=True, kw_only=True):
     strata: dict[str, Shares]
     total: Shares
 
+    def __post_init__(self) -> None:
+        if set(self.reasons) != set(REASONS):
+            raise ValueError(f"reasons explains {', '.join(self.reasons)}, not {', '.join(REASONS)}")
+
     def to_json(self) -> str:
         """Returns the content of explain.json."""
         return msgspec.json.format(msgspec.json.encode(self), indent=1).decode() + "\n"
@@ -223,8 +244,13 @@ def read_explanation(source: str | Path) -> Explanation:
     found = read_json(path, _MOST_BYTES, Explanation, ExplanationError)
     for layout in found.layouts:
         for worst in layout.worst:
-            if worst.moment >= len(layout.moments) or set(worst.games) != set(PAIRINGS):
+            try:
+                if worst.moment >= len(layout.moments):
+                    raise ValueError("it is none of the moments")
+                for pairing in PAIRINGS:
+                    list(worst.frames(layout.layout, pairing, found.cooking))
+            except (ValueError, WrongUse, LookupError, TypeError, ArithmeticError, RecursionError) as error:
                 raise ExplanationError(
-                    f"{path}: {worst.name} has no moment or not all games; run `overcooked-bench explain` again"
-                )
+                    f"{path}: {shown(worst.name)} cannot be shown ({error}); run `overcooked-bench explain` again"
+                ) from error
     return found

@@ -9,7 +9,7 @@ from overcooked_bench.evaluation.comparing.differences import Difference
 from overcooked_bench.evaluation.comparing.seeing import Sight
 from overcooked_bench.evaluation.metric import MetricFacts
 from overcooked_bench.evaluation.shown.tables import NONE, figure
-from overcooked_bench.rendering.table import Cell, Column, Table
+from overcooked_bench.rendering.table import Cell, Column, Table, styled
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
@@ -20,16 +20,15 @@ ALL_LAYOUTS: Final = "mean of layouts"
 def comparison_tables(found: Comparison) -> "Group":
     """Lays a comparison out for the terminal: for each metric the differences, then what the numbers mean."""
     from rich.console import Group
-    from rich.text import Text
 
     names = " · ".join(one.name for one in found.entrants)
     runs = f"{found.entrants[0].training_seeds} training seeds of each" if found.kind == "methods" else "one run each"
     head = f"{names} · protocol {found.protocol.name} ({found.protocol.sha256[:8]}) · {runs}"
-    parts: list[RenderableType] = [Text(head, style="bold"), Text("")]
+    parts: list[RenderableType] = [styled(head, style="bold"), styled("")]
     for compared in found.metrics:
         for table in metric_tables(found, compared):
-            parts += [table.terminal(), Text("")]
-    parts += [Text(note, style="dim") for note in comparison_notes(found)]
+            parts += [table.terminal(), styled("")]
+    parts += [styled(note, style="dim") for note in comparison_notes(found)]
     return Group(*parts)
 
 

@@ -7,7 +7,7 @@ from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.explaining.reasons import FAILURES, PAIRINGS, REASONS
 from overcooked_bench.evaluation.explaining.records import PREFIX, Explanation, Shares
 from overcooked_bench.evaluation.pools.axes import AXES
-from overcooked_bench.rendering.table import Cell, Column, Number, Table
+from overcooked_bench.rendering.table import Cell, Column, Number, Table, styled
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
@@ -92,15 +92,14 @@ def notes(explanation: Explanation) -> Iterator[str]:
 def explanation_tables(explanation: Explanation) -> "Group":
     """Lays an explanation out for the terminal."""
     from rich.console import Group
-    from rich.text import Text
 
     head = f"{explanation.agent.name} · protocol {explanation.protocol.name} · pool {explanation.pool.name}"
-    parts: list[RenderableType] = [Text(head, style="bold"), Text("")]
+    parts: list[RenderableType] = [styled(head, style="bold"), styled("")]
     for table in (reasons_table, soups_table, conventions_table, worst_table):
         laid = table(explanation)
         if laid.rows:
-            parts += [laid.terminal(), Text("")]
-    return Group(*parts, *(Text(note, style="dim") for note in notes(explanation)))
+            parts += [laid.terminal(), styled("")]
+    return Group(*parts, *(styled(note, style="dim") for note in notes(explanation)))
 
 
 def _reasons(name: str, shares: Shares) -> list[Cell]:

@@ -21,6 +21,9 @@ LINE: Final = "#999999"
 GRID: Final = "#eeeeee"
 
 FORMS: Final = ("png", "svg")
+_DPI: Final = 150
+_MOST_PIXELS: Final = 60_000
+"""Pixels of a side; matplotlib draws no more than 2^16."""
 _FACTS: Final = {"png": ["Software"], "svg": ["Date", "Creator", "Format", "Type"]}
 """Format of a file -> what matplotlib would write into it besides the plot."""
 
@@ -97,7 +100,8 @@ class Plot(NamedTuple):
         from matplotlib.figure import Figure
 
         with matplotlib.rc_context({**_STYLE, "svg.fonttype": letters}):
-            figure = Figure(figsize=self.size, dpi=150, layout="constrained")
+            dpi = min(_DPI, _MOST_PIXELS / max(self.size))
+            figure = Figure(figsize=self.size, dpi=dpi, layout="constrained")
             FigureCanvasAgg(figure)
             self.paint(figure)
             figure.savefig(file, format=form, metadata=dict.fromkeys(_FACTS[form]), transparent=form == "svg")

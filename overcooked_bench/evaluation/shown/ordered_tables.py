@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from overcooked_bench.estimate import CONFIDENCE
 from overcooked_bench.evaluation.ordered.curves import SHARES, THESIS_EFFECT, Line
 from overcooked_bench.evaluation.ordered.table import Figure, OrderedCrossPlay
-from overcooked_bench.rendering.table import Cell, Column, Table
+from overcooked_bench.rendering.table import Cell, Column, Table, styled
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
@@ -16,21 +16,20 @@ if TYPE_CHECKING:
 def ordered_tables(found: OrderedCrossPlay) -> "Group":
     """Lays the table out for the terminal: each figure, then the mean of all of them, and what the numbers mean."""
     from rich.console import Group
-    from rich.text import Text
 
     pools = ", ".join(f"{pool.name} ({pool.sha256[:8]})" for pool in found.pools)
     head = f"ordered cross-play · protocol {found.protocol.name} ({found.protocol.sha256[:8]}) · {pools}"
-    parts: list[RenderableType] = [Text(head, style="bold"), Text("")]
+    parts: list[RenderableType] = [styled(head, style="bold"), styled("")]
     for figure in found.figures:
         parts += [
-            Text(f"{figure.layout}, with {_partners(figure)}", style="bold"),
+            styled(f"{figure.layout}, with {_partners(figure)}", style="bold"),
             _lines(found, figure.lines).terminal(),
         ]
-        parts.append(Text(""))
+        parts.append(styled(""))
     if len(found.figures) > 1:
         title = f"mean of these {len(found.figures)}, as the thesis's Table 7.3"
-        parts += [Text(title, style="bold"), _lines(found, found.lines).terminal(), Text("")]
-    parts += [Text(note, style="dim") for note in ordered_notes(found)]
+        parts += [styled(title, style="bold"), _lines(found, found.lines).terminal(), styled("")]
+    parts += [styled(note, style="dim") for note in ordered_notes(found)]
     return Group(*parts)
 
 

@@ -9,7 +9,7 @@ from overcooked_bench.agents.pools.records import Entry, Profile, SeatProfile
 from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.pools.crossplay import CrossPlay
 from overcooked_bench.evaluation.pools.oracle import OracleRow, oracle_score
-from overcooked_bench.rendering.table import Column, Table
+from overcooked_bench.rendering.table import Column, Table, styled
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
@@ -20,30 +20,28 @@ DEEDS = ("pots", "deliveries", "counter_drops", "counter_pickups")
 def pool_tables(pool: Pool, layouts: Sequence[str]) -> "Group":
     """Lays a pool out: one table per layout, one row per partner."""
     from rich.console import Group
-    from rich.text import Text
 
     trained = len(policies(pool.manifest))
     others = len(pool.manifest.entries) - trained
     size = f"{trained} trained agents" + f", {others} scripted entries" * bool(others)
     state = "" if pool.frozen else ", release candidate"
     head = f"{pool.name} ({pool.hash[:8]}{state}) · {size} · cooking {pool.cooking} · actions {pool.mode}"
-    parts: list[RenderableType] = [Text(head, style="bold")]
+    parts: list[RenderableType] = [styled(head, style="bold")]
     if people := people_of(pool.manifest):
-        parts.append(Text(f"made from games of {', '.join(people)}, or trained with agents that were"))
+        parts.append(styled(f"made from games of {', '.join(people)}, or trained with agents that were"))
     for layout in layouts:
-        parts += [Text(""), Text(layout, style="bold"), _agents(pool.partners(layout)).terminal()]
+        parts += [styled(""), styled(layout, style="bold"), _agents(pool.partners(layout)).terminal()]
     note = (
         "With itself: points per episode [95 % over episodes]; seats: points from the soups that the chef on that seat "
         "delivers. Done: percent of the run's steps. Nats: entropy of its actions (uniform: 1.79). How often per "
         "episode, both chefs: put into pots, soups served, dropped on counters, picked from counters."
     )
-    return Group(*parts, Text(""), Text(note, style="dim"))
+    return Group(*parts, styled(""), styled(note, style="dim"))
 
 
 def crossplay_tables(found: Sequence[CrossPlay]) -> "Group":
     """Lays cross-play out: one row per layout."""
     from rich.console import Group
-    from rich.text import Text
 
     columns = "agents", "with itself", "with strangers", "ratio", "worst pair"
     rows = []
@@ -58,7 +56,7 @@ def crossplay_tables(found: Sequence[CrossPlay]) -> "Group":
         "of the same kind (whole agents are drawn with replacement). Ratio: with strangers divided by with itself; "
         "near 0, each agent has conventions of its own. Worst pair: on seat 0, on seat 1."
     )
-    return Group(table.terminal(), Text(""), Text(note, style="dim"))
+    return Group(table.terminal(), styled(""), styled(note, style="dim"))
 
 
 def _agents(agents: Sequence[Entry]) -> Table:

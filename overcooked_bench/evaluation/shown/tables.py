@@ -58,7 +58,7 @@ def partners_table(scores: Scores) -> Table:
     for layout in scores.layouts:
         pairs = scores.with_partners(layout)
         means = (scores.find(layout=layout.layout, partner=name) for name in floors)
-        ends = [f"{name_of(label)} {row.value:.1f}" for label, row in (pairs[0], pairs[-1])]
+        ends = [f"{name_of(label)} {row.value:.1f}" for label, row in (*pairs[:1], *pairs[-1:])] or [NONE, NONE]
         rows.append([layout_name(layout), *ends, *(f"{row.value:.1f}" if row else NONE for row in means)])
     return Table(["layout", "worst partner", "best partner", *(f"floor\n{name}" for name in floors)], rows)
 

@@ -8,6 +8,7 @@ from overcooked_bench.evaluation.shown.card import WORST, card_table
 from overcooked_bench.evaluation.shown.cooperation import cooperation_table
 from overcooked_bench.evaluation.shown.notes import notes, short_notes
 from overcooked_bench.evaluation.shown.tables import layouts_table, partners_table, scenarios_table
+from overcooked_bench.rendering.table import styled
 
 WIDTH: Final = 100
 
@@ -29,16 +30,15 @@ def score_tables(
         width: Characters of a line.
     """
     from rich.console import Group
-    from rich.text import Text
 
     around = shown_beside or Beside()
     pool = f"pool {scores.pool.name} ({scores.pool.sha256[:8]})" if scores.pool else "no pool"
     head = f"{scores.agent.name} · protocol {scores.protocol.name} ({scores.protocol.sha256[:8]}) · {pool}"
-    parts: list[RenderableType] = [Text(head, style="bold"), Text("")]
+    parts: list[RenderableType] = [styled(head, style="bold"), styled("")]
     for table in [*_main(scores, around, width), *(_others(scores, around) if explain else [])]:
-        parts += [table.terminal(), Text("")]
+        parts += [table.terminal(), styled("")]
     said = notes(scores) if explain else short_notes(scores, around)
-    parts += [Text(note, style="dim") for note in said]
+    parts += [styled(note, style="dim") for note in said]
     return Group(*parts)
 
 

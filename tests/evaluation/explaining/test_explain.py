@@ -252,12 +252,24 @@ def test_a_mirrored_kitchen_is_explained_through_the_mirror(strangers, tmp_path)
     [
         (lambda it: it.update(schema=2), "schema"),
         (lambda it: it.update(more=1), "more"),
-        (lambda it: it["layouts"][0]["worst"][0].update(moment=99), "has no moment or not all games"),
-        (lambda it: it["layouts"][0]["worst"][0]["games"].pop("pair"), "has no moment or not all games"),
+        (lambda it: it["layouts"][0]["worst"][0].update(moment=99), "cannot be shown .it is none of the moments"),
+        (lambda it: it["layouts"][0]["worst"][0]["games"].pop("pair"), "has not all games"),
+        (lambda it: it["layouts"][0]["worst"][0]["games"]["pair"].update(actions=["U", ""]), "one chef has 1 actions"),
+        (lambda it: it["layouts"][0]["worst"][0].update(state={}), "cannot be shown"),
+        (lambda it: it["layouts"][0].update(layout="nosuch"), "cannot be shown"),
+        (lambda it: it["layouts"][0].update(layout="cramped_room"), "cannot be shown"),
+        (lambda it: it["layouts"][0]["moments"][0]["soups"].update(pair=[]), "soups.pair"),
+        (lambda it: it.update(reasons={}), "reasons explains"),
+        (lambda it: it["total"]["reasons"].pop("clash"), "total"),
+        (lambda it: it["total"]["soups"].pop("pair"), "total"),
+        (lambda it: it["total"].update(fails=None), "total"),
         (lambda it: it["layouts"][0]["worst"][0]["games"]["pair"].update(actions=["U", "X"]), "actions"),
         (lambda it: it["layouts"][0]["moments"][0].update(reason="magic"), "reason"),
     ],
-    ids=["schema", "key", "moment", "game", "actions", "reason"],
+    ids=[
+        *("schema", "key", "moment", "game", "uneven", "state", "no layout", "other layout", "no soups", "meanings"),
+        *("shares", "soups", "no share", "actions", "reason"),
+    ],
 )
 def test_a_damaged_file_is_refused(explained, tmp_path, change, said):
     content = json.loads(explained.explanation.to_json())
