@@ -1,13 +1,13 @@
 """Which methods the data separate: every two of them by a permutation test over training seeds, adjusted by Holm."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import combinations
-from string import ascii_lowercase
 
 import msgspec
 import numpy as np
 
 from overcooked_bench.estimate import Estimate, welch_interval
+from overcooked_bench.evaluation.comparing.letters import letters_of
 from overcooked_bench.evaluation.comparing.permutation import holm, improvement, over_seeds, smallest_p
 from overcooked_bench.evaluation.estimators import FEWEST_RUNS
 
@@ -74,24 +74,11 @@ def letters(entries: Sequence[EntryRecord], compared: Sequence[Pair]) -> dict[st
         compared: What `pairs` returns for them.
 
     Returns:
-        Name -> letters; the groups are the largest ones of which no two are separated, in the order of N.
-
-    Source: Piepho 2004, "An algorithm for a letter-based representation of all-pairwise comparisons".
+        Name -> letters, in the order of N.
     """
     names = [one.name for one in methods(entries)]
     apart = {frozenset((pair.first, pair.second)) for pair in compared if pair.separated}
-    groups: list[list[str]] = [names] if names else []
-    for one, other in combinations(names, 2):
-        if frozenset((one, other)) in apart:
-            split = [
-                [name for name in group if name != left]
-                for group in groups
-                for left in ((one, other) if one in group and other in group else ("",))
-            ]
-            groups = [group for index, group in enumerate(split) if not _is_within_another(group, index, split)]
-    groups.sort(key=lambda group: [names.index(name) for name in group])
-    marks = dict(zip(range(len(groups)), _marks(), strict=False))
-    return {name: " ".join(marks[i] for i, group in enumerate(groups) if name in group) for name in names}
+    return letters_of(names, apart)
 
 
 def fewest_seeds(count: int) -> int:
@@ -113,17 +100,3 @@ def _runs(entry: EntryRecord, layout: str | None) -> tuple[float, ...]:
     if layout is None:
         return entry.by_seed
     return next((one.by_seed for one in entry.layouts if one.layout == layout), ())
-
-
-def _is_within_another(group: list[str], index: int, groups: Sequence[list[str]]) -> bool:
-    """Returns whether a group is part of another one; of equal ones the first is kept."""
-    return any(
-        set(group) < set(other) or (set(group) == set(other) and place < index)
-        for place, other in enumerate(groups)
-        if place != index
-    )
-
-
-def _marks() -> Iterator[str]:
-    yield from ascii_lowercase
-    yield from (f"{one}{other}" for one in ascii_lowercase for other in ascii_lowercase)

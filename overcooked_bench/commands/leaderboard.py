@@ -1,4 +1,4 @@
-"""`overcooked-bench leaderboard`: audits results and takes them back."""
+"""`overcooked-bench leaderboard`: audits results, takes them back, and builds the public page."""
 
 import argparse
 from typing import Any
@@ -21,7 +21,7 @@ def add_leaderboard(commands: Any) -> None:
     inner = add_group(
         commands,
         "leaderboard",
-        "audit results, and take them back",
+        "audit results, take them back, and build the public page",
         "overcooked-bench leaderboard audit scores/my_agent-v1 --agent my_agent.py",
     )
     parser = add_command(
@@ -56,6 +56,19 @@ def add_leaderboard(commands: Any) -> None:
     parser.add_argument("result", metavar="RESULT", help=f"{_RESULT} that was audited")
     parser.add_argument("--reason", metavar="TEXT", required=True, help="why, in one line")
     parser.add_argument("--date", metavar="YYYY-MM-DD", help="since when (default: today)")
+    parser = add_command(
+        inner,
+        "build",
+        _build,
+        "write the leaderboard as static pages that need nothing else, and as JSON and CSV",
+        "overcooked-bench leaderboard build results site",
+    )
+    parser.add_argument(
+        "results",
+        metavar="RESULTS",
+        help="a folder with a folder for each entry: score.json, submission.yaml, audit.json",
+    )
+    parser.add_argument("site", metavar="SITE", help="the folder to write, new or written by this command")
 
 
 def _audit(options: argparse.Namespace) -> int:
@@ -88,4 +101,16 @@ def _withdraw(options: argparse.Namespace) -> int:
 
     taken = withdraw(options.result, options.reason, options.date)
     print(f"{options.result}: {taken.status}; its files stay")
+    return 0
+
+
+def _build(options: argparse.Namespace) -> int:
+    from pathlib import Path
+
+    from overcooked_bench.leaderboard.site.build import INDEX, build
+
+    built = build(options.results, options.site)
+    for one in built.refused:
+        print(f"refused {one.name}: {one.reason}")
+    print(f"{Path(options.site) / INDEX}: {built.entries:,} entries, {built.files:,} files")
     return 0

@@ -1,0 +1,175 @@
+"""The leaderboard's page: what is shown where, and in a browser from the file system."""
+
+import csv
+import json
+
+import msgspec
+import pytest
+
+from overcooked_bench.cli import main
+from overcooked_bench.evaluation.beside import REFERENCES
+from overcooked_bench.evaluation.scores import read_scores
+from overcooked_bench.leaderboard.site.build import build
+from overcooked_bench.leaderboard.site.entries import EntryError
+from tests.leaderboard.results import write_entry
+
+HOSTILE = "<img src=x onerror=alert(1)>"
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """Entries of every kind and status, on two protocols, and folders that are refused."""
+    home = tmp_path_factory.mktemp("results")
+    write_entry(home, "high", steps=5000, human="true")
+    write_entry(home, "near", shift=-0.002, observation="features")
+    write_entry(home, "low", shift=-0.3, steps=100, method="=SUM(A1)")
+    write_entry(home, "alone", shift=-0.1, seeds=1)
+    write_entry(home, "claimed", shift=0.1, audited=False)
+    write_entry(home, "taken-back", withdrawn="its weights were those of another entry")
+    write_entry(home, "on-the-test", shift=0.05, pools="[v1]")
+    write_entry(home, "lite", scores=read_scores(REFERENCES / "v1-lite.json"))
+    write_entry(home, "named", agent=HOSTILE, shift=-0.2, method="'<script>alert(1)</script>'")
+    (home / HOSTILE).mkdir()
+    changed = write_entry(home, "changed")
+    (changed / "score.json").write_text((changed / "score.json").read_text().replace("0.8", "0.9"))
+    torn = write_entry(home, "torn", audited=False)
+    scores = read_scores(torn)
+    msgspec.structs.replace(
+        scores,
+        rows=tuple(row for row in scores.rows if row.metric != "curve")
+        + tuple(msgspec.structs.replace(row, params={}) for row in scores.select("curve")),
+    ).write(torn / "score.json")
+    return home
+
+
+@pytest.fixture(scope="module")
+def site(results, tmp_path_factory):
+    home = tmp_path_factory.mktemp("sites") / "site"
+    assert main(["leaderboard", "build", str(results), str(home)]) == 0
+    return home
+
+
+@pytest.fixture(scope="module")
+def table(site):
+    rows = json.loads((site / "table.json").read_text())["entries"]
+    return {row["page"].split("/")[1].removesuffix(".html"): row for row in rows}
+
+
+def test_status_decides_on_the_table(table):
+    assert {name: (row["table"], row["status"]) for name, row in table.items()} == {
+        "_greedy-v1": ("main", "reference"),
+        "_greedy-v1-lite": ("unranked", "reference"),
+        **dict.fromkeys(("high", "near", "low", "alone", "named"), ("main", "reproduced")),
+        "lite": ("unranked", "reproduced"),
+        "claimed": ("unranked", "reported"),
+        "taken-back": ("unranked", "withdrawn"),
+        "on-the-test": ("open", "reproduced"),
+    }
+    assert table["taken-back"]["remark"] == "withdrawn on 2026-11-30: its weights were those of another entry"
+
+
+def test_methods_share_a_letter_unless_the_data_separate_them(table):
+    groups = {name: table[name]["group"] for name in ("high", "near", "low", "alone", "_greedy-v1", "claimed")}
+    assert groups["high"] == groups["near"] == "a"
+    assert "a" not in groups["low"].split()
+    assert groups["alone"] == groups["_greedy-v1"] == groups["claimed"] == ""
+
+
+def test_a_bad_folder_is_refused_and_costs_no_other_its_row(results, tmp_path):
+    refused = {one.name: one.reason for one in build(results, tmp_path / "site").refused}
+    assert refused.keys() == {HOSTILE, "changed", "torn"}
+    assert "audit it again" in refused["changed"]
+    assert "contradicts itself" in refused["torn"]
+    assert "use at most 100 letters" in refused[HOSTILE]
+
+
+def test_the_same_results_give_the_same_bytes_and_no_stale_page_stays(results, site, tmp_path):
+    again = tmp_path / "again"
+    build(results, again)
+    (again / "entries" / "gone.html").touch()
+    build(results, again)
+    files = {file.relative_to(site): file.read_bytes() for file in site.rglob("*") if file.is_file()}
+    assert {file.relative_to(again): file.read_bytes() for file in again.rglob("*") if file.is_file()} == files
+
+
+def test_a_folder_that_holds_something_else_is_left_alone(results, tmp_path):
+    (tmp_path / "thesis.tex").touch()
+    with pytest.raises(EntryError, match="holds something else"):
+        build(results, tmp_path)
+    with pytest.raises(EntryError, match="no such folder"):
+        build(tmp_path / "none", tmp_path / "site")
+
+
+def test_csv_and_feed_say_what_the_json_says(site, table):
+    with (site / "table.csv").open(newline="") as file:
+        rows = {row["name"]: row for row in csv.DictReader(file)}
+    assert float(rows["near"]["score low"]) == table["near"]["score"]["low"]
+    assert rows["low"]["protocol"] == "v1"
+    feed = (site / "feed.xml").read_text()
+    assert feed.count("<item>") == sum(row["date"] is not None for row in table.values())
+    assert "its weights were those of another entry" in feed
+
+
+def test_nothing_that_an_entry_says_becomes_a_part_of_a_page(site):
+    for page in site.rglob("*.html"):
+        text = page.read_text()
+        assert "<img" not in text
+        assert "<script>alert" not in text
+
+
+def shown(page):
+    return page.locator("table.board tbody tr:visible td:first-child").all_inner_texts()
+
+
+@pytest.mark.slow
+def test_rows_are_filtered_and_sorted_and_the_link_keeps_it(site, opened):
+    page = opened(site / "index.html")
+    everything = shown(page)
+    assert everything[:3] == ["greedy", "high", "near"]
+    page.get_by_label("human data").first.select_option("no")
+    page.get_by_label("joint steps at most").fill("1000")
+    page.get_by_label("score at least").fill("0.7")
+    page.get_by_role("button", name="N [95 %]").first.focus()
+    page.keyboard.press("Enter")
+    page.keyboard.press("Enter")
+    expected = ["alone", "near", "on-the-test", "taken-back", "claimed", "lite"]
+    assert shown(page) == expected
+    assert page.locator("#said").inner_text() == f"{len(expected)} of {len(everything)} entries shown"
+    assert page.locator("th[aria-sort=ascending]").count() >= 1
+    other = page.context.new_page()
+    other.goto(page.url)
+    assert shown(other) == expected
+    other.get_by_role("button", name="Show all").click()
+    other.wait_for_function("!location.hash")
+    assert shown(other) == everything
+
+
+@pytest.mark.slow
+def test_a_layout_shows_its_own_numbers(site, table, opened):
+    page = opened(site / "index.html")
+    column = page.locator("td[data-layout=forced_coordination]")
+    assert not column.first.is_visible()
+    page.get_by_label("layout").first.select_option("forced_coordination")
+    assert f"{table['_greedy-v1']['layouts']['forced_coordination']['value']:.2f}" in column.first.inner_text()
+    assert "layout=forced_coordination" in page.url
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("width", "dark"), [(1280, False), (390, True)])
+def test_no_page_is_wider_than_the_screen(width, dark, site, opened):
+    curves = next(site.glob("curves-*.html"))
+    for file in (site / "index.html", site / "entries" / "named.html", curves):
+        page = opened(file, width=width, dark=dark)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        ground = page.evaluate("getComputedStyle(document.body).backgroundColor")
+        assert (sum(map(int, ground[4:-1].split(","))) < 384) == dark
+
+
+@pytest.mark.slow
+def test_curves_of_any_two_entries_are_drawn(site, opened):
+    file = next(file for file in site.glob("curves-*.html") if "on-the-test" in file.read_text())
+    page = opened(file)
+    page.get_by_label("second entry").select_option("low")
+    assert page.locator("polyline").count() == 10
+    assert "low from" in page.locator("svg[role=img]").first.get_attribute("aria-label")
+    assert "second=low" in page.url
