@@ -44,6 +44,7 @@ def shifted(scores, name, shift, seeds):
         agent=Source(name, hashlib.sha256(name.encode()).hexdigest()),
         training_seeds=seeds,
         overall=Estimate(*overall),
+        unranked=None if scores.protocol.name == "v1" else scores.unranked,
         rows=tuple(rows),
     )
 
