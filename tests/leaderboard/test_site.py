@@ -79,7 +79,7 @@ def test_a_bad_folder_is_refused_and_costs_no_other_its_row(results, tmp_path):
     refused = {one.name: one.reason for one in build(results, tmp_path / "site").refused}
     assert refused.keys() == {HOSTILE, "changed", "torn"}
     assert "audit it again" in refused["changed"]
-    assert "contradicts itself" in refused["torn"]
+    assert "no parameter 'rank'" in refused["torn"]
     assert "use at most 100 letters" in refused[HOSTILE]
 
 

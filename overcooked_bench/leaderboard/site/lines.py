@@ -107,10 +107,10 @@ def line_of(entry: Entry, group: str) -> Line:
         layouts=by_layout,
         more=_more(scores),
         scenarios=scores.scenarios.total.share if scores.scenarios else None,
-        observation=manifest and manifest.observation,
-        human_data=manifest and manifest.human_data,
-        joint_steps=manifest and manifest.joint_steps,
-        partner_runs=manifest and manifest.partner_runs,
+        observation=manifest.observation if manifest else None,
+        human_data=manifest.human_data if manifest else None,
+        joint_steps=manifest.joint_steps if manifest else None,
+        partner_runs=manifest.partner_runs if manifest else None,
         agent_sha256=scores.agent.sha256,
     )
 
