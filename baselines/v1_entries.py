@@ -1,6 +1,6 @@
 """Scores every shipped entry with v1, and writes `results/v1-entries.md`, its numbers, and the table of the README.
 
-    python -m overcooked_bench.baselines.v1_entries --workers 2 --readme README.md
+    python -m overcooked_bench.baselines.v1_entries --workers 2 --readme README.md --board baselines/board
 
 What was played stays in `--played`, and is not played again: after a stop, the same command goes on. With `--numbers`
 the page is written again from its JSON file. What follows the line `KEPT` in the page is written by hand, and stays.
@@ -20,8 +20,9 @@ from overcooked_bench.errors import WrongUse
 from overcooked_bench.files import write_whole
 
 from .by_hand import with_part_by_hand
+from .rows.board import write_row
 from .rows.gathered import gather
-from .rows.playing import Games, play_entry
+from .rows.playing import Games, PlayedEntry, play_entry
 from .rows.records import SCHEMA, Standings
 from .rows.written import readme_table, written
 
@@ -51,6 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--played", type=Path, default=Path(f"runs/{_NAME}"), help=f"what was played (default: runs/{_NAME})"
     )
     parser.add_argument("--output", type=Path, default=Path("baselines/results"), help="folder to write to")
+    parser.add_argument("--board", type=Path, help="folder in which the rows of the leaderboard are written again, too")
     parser.add_argument("--readme", type=Path, help="a Markdown file in which the table is written again, too")
     parser.add_argument("--numbers", action="store_true", help="play nothing; write the page from its JSON file")
     given = parser.parse_args(arguments)
@@ -60,7 +62,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             found = read_standings(numbers)
         else:
             games = Games.of(given.protocol, given.thesis, given.strangers, given.workers)
-            found = _play(shipped_entries() if given.entries is None else given.entries, games, given.played)
+            names = shipped_entries() if given.entries is None else given.entries
+            played = _play(names, games, given.played)
+            found = gather(played, games, REFERENCE)
+            for one in played if given.board else ():
+                write_row(one, given.played / f"{one.name}-{games.protocol.name}", given.board / one.name)
             given.output.mkdir(parents=True, exist_ok=True)
             write_whole(numbers, msgspec.json.format(msgspec.json.encode(found), indent=1) + b"\n")
         page = given.output / f"{_NAME}.md"
@@ -99,14 +105,14 @@ def with_table(page: Path, found: Standings) -> str:
     return f"{before}{BEGIN}\n{readme_table(found).markdown()}\n{END}{after}"
 
 
-def _play(names: Sequence[str], games: Games, home: Path) -> Standings:
+def _play(names: Sequence[str], games: Games, home: Path) -> list[PlayedEntry]:
     """Plays the entries and the reference agent, one after the other."""
     everyone = [*dict.fromkeys((*names, REFERENCE))]
     played = []
     for name in everyone:
         played.append(play_entry(name, games, home, _say))
         print(f"{name}: played", file=sys.stderr)
-    return gather(played, games, REFERENCE)
+    return played
 
 
 def _say(what: str, done: int, of: int) -> None:

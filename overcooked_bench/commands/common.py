@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable
 from typing import Any, Final, NoReturn
 
-from overcooked_bench.agents.isolation import HOWS
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.shelf import guess
 
@@ -117,7 +116,7 @@ def add_isolate(parser: argparse.ArgumentParser) -> None:
         "--isolate",
         nargs="?",
         const="best",
-        choices=HOWS,
+        choices=("best", "strict"),
         help="play a submission in processes of its own that see observations and return actions, in a sandbox of "
         "bubblewrap if it is installed; --isolate=strict refuses to play without one",
     )

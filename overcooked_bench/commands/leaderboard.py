@@ -14,6 +14,7 @@ from overcooked_bench.commands.common import (
 )
 
 _RESULT = "the folder of a score"
+_RESULTS = "a folder with a folder for each entry: score.json, submission.yaml, audit.json; and errata.yaml"
 
 
 def add_leaderboard(commands: Any) -> None:
@@ -58,16 +59,22 @@ def add_leaderboard(commands: Any) -> None:
     parser.add_argument("--date", metavar="YYYY-MM-DD", help="since when (default: today)")
     parser = add_command(
         inner,
+        "add",
+        _add,
+        "add an audited result to those that the page is built from, with its worst games and without all others",
+        "overcooked-bench leaderboard add scores/my_agent-v1 my_agent results",
+    )
+    parser.add_argument("result", metavar="RESULT", help=f"{_RESULT}, with its audit.json if it was audited")
+    parser.add_argument("submission", metavar="SUBMISSION", help="the folder of the submission.yaml")
+    parser.add_argument("results", metavar="RESULTS", help=_RESULTS)
+    parser = add_command(
+        inner,
         "build",
         _build,
         "write the leaderboard as static pages that need nothing else, and as JSON and CSV",
         "overcooked-bench leaderboard build results site",
     )
-    parser.add_argument(
-        "results",
-        metavar="RESULTS",
-        help="a folder with a folder for each entry: score.json, submission.yaml, audit.json",
-    )
+    parser.add_argument("results", metavar="RESULTS", help=_RESULTS)
     parser.add_argument("site", metavar="SITE", help="the folder to write, new or written by this command")
 
 
@@ -101,6 +108,13 @@ def _withdraw(options: argparse.Namespace) -> int:
 
     taken = withdraw(options.result, options.reason, options.date)
     print(f"{options.result}: {taken.status}; its files stay")
+    return 0
+
+
+def _add(options: argparse.Namespace) -> int:
+    from overcooked_bench.leaderboard.site.adding import add
+
+    print(add(options.result, options.submission, options.results))
     return 0
 
 

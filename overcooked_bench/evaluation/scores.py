@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
@@ -192,7 +193,7 @@ class ScenarioScore(msgspec.Struct, frozen=True, omit_defaults=True):
     counted: Literal["scenarios", "situations"] = "scenarios"
 
 
-class Scores(msgspec.Struct, frozen=True, kw_only=True):
+class Scores(msgspec.Struct, frozen=True, kw_only=True, dict=True):
     """A score.json.
 
     Attributes:
@@ -261,8 +262,19 @@ class Scores(msgspec.Struct, frozen=True, kw_only=True):
             metric: Its name.
             **about: `params`, and entries of `ABOUT`.
         """
-        entries: dict[str, Any] = {**dict.fromkeys(ABOUT), **about}
-        return next(self.select(metric, **entries), None)
+        params: dict[str, float] | None = about.get("params")
+        wanted = None if params is None else tuple(sorted(params.items()))
+        return self._first.get((metric, wanted, *(about.get(name) for name in ABOUT)))
+
+    @cached_property
+    def _first(self) -> dict[tuple[Any, ...], Row]:
+        """The first row by metric, parameters or None for any, and what it is about; a page looks up thousands."""
+        found: dict[tuple[Any, ...], Row] = {}
+        for row in self.rows:
+            about = tuple(getattr(row, name) for name in ABOUT)
+            for params in (None, tuple(sorted(row.params.items()))):
+                found.setdefault((row.metric, params, *about), row)
+        return found
 
     def with_partners(self, layout: LayoutFacts) -> list[tuple[PartnerLabel, Row]]:
         """Lists a layout's partners that count with their mean returns, worst first; ties are sorted by name."""

@@ -15,7 +15,7 @@ MANIFEST = """schema: 1
 name: {name}
 contact: ann@example.org
 licence: MIT
-link: null
+link: {link}
 commit: null
 method: {method}
 joint_steps: {steps}
@@ -38,7 +38,7 @@ def shifted(scores, name, shift, seeds):
             low, high = row.value + shift - 0.04, row.value + shift + 0.04
             row = msgspec.structs.replace(row, value=row.value + shift, low=low, high=high, per_repetition=runs)
         rows.append(row)
-    overall = next(row.estimate for row in rows if row.metric == "n" and row.layout is None and row.seat is None)
+    overall = next(row.estimate for row in rows if row.metric == "n" and row.about == ("n", (), *[None] * 6))
     return msgspec.structs.replace(
         *(scores,),
         agent=Source(name, hashlib.sha256(name.encode()).hexdigest()),
@@ -55,7 +55,15 @@ def write_entry(results, name, shift=0.0, seeds=5, audited=True, withdrawn="", s
     folder.mkdir(parents=True)
     scores = shifted(scores or read_scores(REFERENCES / "v1.json"), agent or name, shift, seeds)
     scores.write(folder / "score.json")
-    known = {"method": "PPO", "steps": 1000, "human": "false", "pools": "[]", "observation": "lossless", **said}
+    known = {
+        "method": "PPO",
+        "steps": 1000,
+        "human": "false",
+        "pools": "[]",
+        "observation": "lossless",
+        "link": "null",
+        **said,
+    }
     (folder / "submission.yaml").write_text(MANIFEST.format(name=name, seeds=seeds, **known))
     if audited:
         audit = audit_of(folder, scores, used="v1" in known["pools"])

@@ -20,7 +20,6 @@ from overcooked_bench.evaluation.games.asking import Answer, ask_block, identify
 from overcooked_bench.evaluation.games.block import Block, Outcome, play_block
 from overcooked_bench.evaluation.games.engines import Engine, open_engine
 from overcooked_bench.evaluation.games.episode import BlockKey, Episode
-from overcooked_bench.evaluation.games.facts import read_facts
 from overcooked_bench.evaluation.games.store import Store
 from overcooked_bench.evaluation.protocol import Protocol
 from overcooked_bench.evaluation.scenario_scores import play_scenarios
@@ -94,12 +93,12 @@ def play_checks(store: Store, scores: Scores, rules: Protocol, pool: Pool, wante
         AgentError: The agent cannot be loaded.
         IsolationError: It cannot be isolated as it should be.
     """
-    facts = read_facts(store)
+    facts = store.facts
     first = Block(
         agent="",
-        agent_sha256=facts.agent,
+        agent_sha256=facts.get("agent", ""),
         protocol=rules,
-        salt=facts.salt,
+        salt=facts.get("salt", ""),
         pool=str(pool.folder.absolute()),
         pool_sha256=pool.hash,
         seed=scores.seed,
@@ -136,7 +135,7 @@ def play_checks(store: Store, scores: Scores, rules: Protocol, pool: Pool, wante
             return PlayChecks(tuple(checks), tuple(flagged), 0)
         checks.append(_acts(own, found, engine, patience))
         outcomes = list(engine.map(play_block, own, _lost, patience))
-        compared = compare(outcomes, found)
+        compared = compare(outcomes, found, wanted.seed)
         checks.append(_again(compared, _same_machine(scores)))
         checks.append(_scenarios(entrant, scores, rules, engine, patience, isolation))
     return PlayChecks(tuple(checks), tuple(flagged), compared.cells)

@@ -1,22 +1,20 @@
-"""`Board`: the entries of one protocol and pool in one table, best first, with the groups that the data separate."""
+"""`Board`: the entries of one protocol and pool in one table, best first, with what the data separate."""
 
 from collections.abc import Sequence
-from itertools import combinations
 from typing import Final, NamedTuple
 
-from overcooked_bench.evaluation.comparing.letters import letters_of
-from overcooked_bench.evaluation.comparing.permutation import holm, over_seeds, smallest_p
 from overcooked_bench.evaluation.protocol import NEWEST, load_protocol
 from overcooked_bench.evaluation.scores import Scores
 from overcooked_bench.leaderboard.site.entries import Entry
+from overcooked_bench.leaderboard.site.groups import Groups, separate
 
 TABLES: Final = {
-    "main": "Ranked",
+    "main": "Methods",
+    "agents": "Single agents",
     "open": "Open: trained or selected with the pool that scores it",
-    "unranked": "Not ranked: reported only, withdrawn, or of a protocol that ranks nothing",
+    "unranked": "Not ranked",
 }
-LEVEL: Final = 0.05
-"""Two methods are separated if their adjusted p is this or less."""
+"""Tables in their order, and their titles."""
 
 
 class Board(NamedTuple):
@@ -25,19 +23,19 @@ class Board(NamedTuple):
     Attributes:
         table: Which of `TABLES`.
         entries: Its rows, the highest score first.
-        groups: Key -> letters; two methods that share one are not separated. Only methods have some.
+        groups: What the data separate among its methods, by key.
     """
 
     table: str
     entries: tuple[Entry, ...]
-    groups: dict[str, str]
+    groups: Groups
 
 
 class Games(NamedTuple):
     """The entries that played the same protocol and pool; scores of two are never shown in one table.
 
     Attributes:
-        scores: One of theirs.
+        scores: One of theirs, of a shipped entry if there is one.
         current: Whether this is the newest protocol.
         boards: Its tables, without empty ones.
     """
@@ -54,9 +52,24 @@ class Games(NamedTuple):
 
     @property
     def mark(self) -> str:
-        """The beginnings of the hashes of protocol and pool."""
+        """The beginnings of the hashes of protocol and pool, which name its pages."""
         pool = self.scores.pool
         return self.scores.protocol.sha256[:8] + (f"-{pool.sha256[:8]}" if pool else "")
+
+    @property
+    def page(self) -> str:
+        """The address of its page, from the index."""
+        return f"protocols/{self.mark}.html"
+
+    @property
+    def curves(self) -> str:
+        """The address of the page of its ordered curves, from the index."""
+        return f"curves/{self.mark}.html"
+
+    @property
+    def entries(self) -> list[Entry]:
+        """All its entries, table by table."""
+        return [entry for board in self.boards for entry in board.entries]
 
 
 def games_of(entries: Sequence[Entry]) -> list[Games]:
@@ -70,41 +83,19 @@ def games_of(entries: Sequence[Entry]) -> list[Games]:
     for (protocol, pool_hash), some in apart.items():
         current = protocol == newest.sha256 and pool_hash == newest.play.pool_sha256
         boards = [_board(name, [one for one in some if one.table == name]) for name in TABLES]
-        found.append(Games(some[0].scores, current, tuple(board for board in boards if board.entries)))
+        shown = next((one.scores for one in some if one.shipped), some[0].scores)
+        found.append(Games(shown, current, tuple(board for board in boards if board.entries)))
     return sorted(found, key=lambda one: (not one.current, one.scores.protocol.name, one.mark))
 
 
 def _board(table: str, entries: Sequence[Entry]) -> Board:
     order = sorted(entries, key=lambda one: (-one.scores.overall.value if one.scores.overall else 1e9, one.key))
-    return Board(table, tuple(order), {} if table == "unranked" else separated(order))
+    methods = [] if table == "unranked" else [one for one in order if one.scores.kind == "method"]
+    return Board(table, tuple(order), separate({one.key: runs for one in methods if (runs := runs_of(one))}))
 
 
-def separated(entries: Sequence[Entry]) -> dict[str, str]:
-    """Returns the letters of the methods among entries of the same protocol.
-
-    Every two of the same seed and salt are tested over training seeds, adjusted by Holm. If there are so many that no
-    pair could be separated, none is tested.
-
-    Args:
-        entries: The highest score first.
-    """
-    runs = {one.key: _runs(one) for one in entries if one.scores.kind == "method" and _runs(one)}
-    games = {one.key: (one.scores.seed, one.scores.salt) for one in entries}
-    names = list(runs)
-    pairs = [pair for pair in combinations(names, 2) if games[pair[0]] == games[pair[1]]]
-    most = max(map(len, runs.values()), default=0)
-    apart: set[frozenset[str]] = set()
-    if pairs and smallest_p(most) * len(pairs) <= LEVEL:
-        p = []
-        for one, other in pairs:
-            seeds = min(len(runs[one]), len(runs[other]))
-            p.append(over_seeds(runs[one][:seeds], runs[other][:seeds]))
-        apart = {frozenset(pair) for pair, adjusted in zip(pairs, holm(p), strict=True) if adjusted <= LEVEL}
-    return letters_of(names, apart)
-
-
-def _runs(entry: Entry) -> tuple[float, ...]:
-    """Returns the score of each training seed over all layouts; none if it has no overall score."""
-    row = entry.scores.find(entry.scores.headline)
+def runs_of(entry: Entry, layout: str | None = None) -> tuple[float, ...]:
+    """Returns the score of each training seed, over all layouts or on one; none if it has no such score."""
+    row = entry.scores.find(entry.scores.headline, layout=layout)
     found = row.per_repetition or () if row is not None else ()
     return found if len(found) == entry.scores.training_seeds else ()

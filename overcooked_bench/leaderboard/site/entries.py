@@ -1,16 +1,26 @@
 """`Entry`: what a folder of the results holds; nothing in it is trusted, and a bad one costs no other its row."""
 
 import hashlib
+import re
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
+import msgspec
+
+from overcooked_bench.documents import LONGEST, read_json
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.evaluation.beside import REFERENCES
+from overcooked_bench.evaluation.protocol import Protocol, load_protocol, protocol_names
 from overcooked_bench.evaluation.scores import SCORES_FILE, Scores, read_scores
 from overcooked_bench.files import check_name, read_regular, shown
 from overcooked_bench.leaderboard.audit.records import AUDIT_FILE, Audit, read_audit
 from overcooked_bench.leaderboard.submission.manifest import MANIFEST, Manifest, load_manifest
+from overcooked_bench.shelf import Shelf
+
+FACTS_FILE: Final = "facts.json"
+"""In the folder of a shipped row: what a submission.yaml would say."""
 
 _MOST_BYTES: Final = 64_000_000
 
@@ -19,21 +29,30 @@ class EntryError(WrongUse):
     """An entry, or the folder of the results, cannot be shown; the message says why."""
 
 
+_SHELF: Final = Shelf(
+    "row", "overcooked_bench.baselines", f"/{SCORES_FILE}", EntryError, f"a folder with a {SCORES_FILE}", "board"
+)
+
+
 @dataclass(frozen=True)
 class Entry:
     """A row of the leaderboard.
 
     Attributes:
-        key: Name of its folder and of its page; that of a reference begins with `_`, which no folder does.
+        key: Name of its folder and of its page; that of a shipped one begins with `_`, which no folder does.
         scores: Its score.
-        manifest: What it says of itself; None for a reference, which ships with the package.
+        manifest: What it says of itself; None for a shipped one that says nothing.
         audit: What was looked at; None if nobody has.
+        folder: Where it is; None for the bare score of a reference agent.
+        shipped: Whether it ships with the package.
     """
 
     key: str
     scores: Scores
     manifest: Manifest | None = None
     audit: Audit | None = None
+    folder: Path | None = None
+    shipped: bool = False
 
     @property
     def name(self) -> str:
@@ -43,33 +62,38 @@ class Entry:
     @property
     def status(self) -> str:
         """How far the result can be relied on; "reference" ships with the package."""
-        if self.manifest is None:
+        if self.shipped:
             return "reference"
         return "reported" if self.audit is None else self.audit.status
 
     @property
     def table(self) -> str:
-        """Where it stands: "main", "open" if it trained or selected with the pool that scores it, or "unranked"."""
-        if self.scores.overall is None or self.scores.unranked is not None:
+        """Where it stands.
+
+        "unranked" unless somebody else played it again under a protocol that ranks; "open" if it trained or selected
+        with the pool that scores it; else "main" for methods and "agents" for single agents.
+        """
+        scores = self.scores
+        if scores.overall is None or not scores.settings.report.ranked or self.status in ("reported", "withdrawn"):
             return "unranked"
-        if self.manifest is None:
-            return "main"
-        if self.audit is None:
+        pool = scores.pool
+        says = self.manifest is not None and pool is not None and self.manifest.used(pool.name)
+        if says or (self.audit is not None and self.audit.used_pool):
+            return "open"
+        if scores.unranked is not None or (self.audit is not None and self.audit.unranked is not None):
             return "unranked"
-        pool = self.scores.pool
-        used = pool is not None and self.manifest.used(pool.name)
-        return "open" if used and self.audit.table == "main" else self.audit.table
+        return "main" if scores.kind == "method" else "agents"
 
     @property
     def remark(self) -> str:
         """Why it is where it stands, if that has to be said."""
         if self.audit is not None and self.audit.withdrawn is not None:
             return f"withdrawn on {self.audit.withdrawn.date}: {self.audit.withdrawn.reason}"
-        if self.manifest is not None and self.audit is None:
+        if not self.shipped and self.audit is None:
             return "nobody has audited it"
         if self.audit is not None and not self.audit.sound:
             return "its audit failed"
-        return self.scores.unranked or ""
+        return shown(self.scores.unranked or "", 300)
 
 
 class Refused(NamedTuple):
@@ -84,14 +108,11 @@ class Refused(NamedTuple):
     reason: str
 
 
-def read_entries(results: str | Path) -> tuple[list[Entry], list[Refused]]:
-    """Reads every folder of the results, and the references that ship with the package.
+def entry_folders(results: str | Path) -> list[Path]:
+    """Lists the folders of the results, each of which should be an entry.
 
     Args:
         results: A folder with one folder for each entry: score.json, submission.yaml, and audit.json once audited.
-
-    Returns:
-        The entries, in the order of their keys, and what was refused.
 
     Raises:
         EntryError: There is no such folder.
@@ -99,15 +120,24 @@ def read_entries(results: str | Path) -> tuple[list[Entry], list[Refused]]:
     home = Path(results)
     if not home.is_dir():
         raise EntryError(f"{shown(home)}: no such folder; give the folder that holds one folder for each entry")
-    entries = [Entry(f"_{scores.agent.name}-{file.stem}", scores) for file, scores in _references()]
-    refused = []
-    for folder in sorted(path for path in home.iterdir() if path.is_dir() and not path.name.startswith(".")):
-        try:
-            entries.append(read_entry(folder))
-        except (WrongUse, OSError) as error:
-            reason = str(error).replace(str(folder), folder.name)
-            refused.append(Refused(shown(folder.name, 100), shown(reason, 400)))
-    return entries, refused
+    return sorted(path for path in home.iterdir() if path.is_dir() and not path.name.startswith("."))
+
+
+def shipped_rows() -> list[Entry]:
+    """Reads the rows that ship with the package: reference agents and trained entries."""
+    rows = []
+    for name in _SHELF.names():
+        folder = _SHELF.home / name
+        facts: dict[str, Any] = read_json(folder / FACTS_FILE, LONGEST, dict, EntryError)
+        scores = read_scores(folder)
+        key = f"_{name}-{scores.protocol.name}"
+        rows.append(Entry(key, scores, msgspec.convert(facts, Manifest), None, folder, shipped=True))
+    known = {(one.scores.agent.name, one.scores.protocol.sha256) for one in rows}
+    for file in sorted(REFERENCES.glob("*.json")):
+        scores = read_scores(file)
+        if (scores.agent.name, scores.protocol.sha256) not in known:
+            rows.append(Entry(f"_{scores.agent.name}-{file.stem}", scores, shipped=True))
+    return rows
 
 
 def read_entry(folder: Path) -> Entry:
@@ -120,20 +150,45 @@ def read_entry(folder: Path) -> Entry:
     if folder.is_symlink():
         raise EntryError("a link; put the folder itself there")
     manifest, scores = load_manifest(folder / MANIFEST), read_scores(folder)
-    if scores.settings.sha256 != scores.protocol.sha256:
-        raise EntryError(f"{SCORES_FILE}: its protocol is not the one whose hash it gives")
-    if not scores.settings.report.headlines:
-        raise EntryError(f"{SCORES_FILE}: its protocol has no headlines, so nothing is ranked by it")
+    if folder.name not in (manifest.name, f"{manifest.name}-{scores.protocol.name}"):
+        raise EntryError(f"{MANIFEST} is of {manifest.name}; name the folder {manifest.name}, so that no two have it")
     if manifest.training_seeds != scores.training_seeds:
         raise EntryError(
             f"{MANIFEST} says {manifest.training_seeds} training seeds, {SCORES_FILE} {scores.training_seeds}"
         )
+    _check_games(scores)
     audit = read_audit(folder) if (folder / AUDIT_FILE).exists() else None
     content = read_regular(folder / SCORES_FILE, _MOST_BYTES, raises=EntryError)
     if audit is not None and audit.score_sha256 != hashlib.sha256(content).hexdigest():
         raise EntryError(f"{AUDIT_FILE} is of another {SCORES_FILE}; audit it again")
-    return Entry(folder.name, scores, manifest, audit)
+    return Entry(folder.name, scores, manifest, audit, folder)
 
 
-def _references() -> list[tuple[Path, Scores]]:
-    return [(file, read_scores(file)) for file in sorted(REFERENCES.glob("*.json"))]
+@cache
+def _shipped_protocols() -> dict[str, Protocol]:
+    return {protocol.sha256: protocol for protocol in map(load_protocol, protocol_names())}
+
+
+def _check_games(scores: Scores) -> None:
+    """Checks that a score says which games it is of, and ranks by what these rank by: pages are named after hashes.
+
+    Raises:
+        EntryError: It does not.
+    """
+    sources = [scores.protocol, scores.agent, *([scores.pool] if scores.pool else [])]
+    for source in sources:
+        if not re.fullmatch("[0-9a-f]{64}", source.sha256):
+            raise EntryError(f"{SCORES_FILE}: {shown(source.sha256)!r} is no SHA-256")
+    if scores.settings.sha256 != scores.protocol.sha256:
+        raise EntryError(f"{SCORES_FILE}: its protocol is not the one whose hash it says")
+    report = scores.settings.report
+    if not report.headlines:
+        raise EntryError(f"{SCORES_FILE}: its protocol has no headlines, so nothing is ranked by it")
+    known = _shipped_protocols().get(scores.protocol.sha256)
+    if known is not None:
+        said = scores.protocol.name, report.headlines, report.ranked
+        if said != (known.name, known.report.headlines, known.report.ranked):
+            raise EntryError(f"{SCORES_FILE}: the games of {known.name}, but another name or other headlines")
+    row = scores.find(report.headline)
+    if scores.overall is not None and (row is None or row.estimate != scores.overall):
+        raise EntryError(f"{SCORES_FILE}: `overall` is not its own {report.headline}")

@@ -12,6 +12,8 @@ from overcooked_bench.estimate import Estimate
 from overcooked_bench.evaluation.scores import Scores
 from overcooked_bench.leaderboard.site.board import Games
 from overcooked_bench.leaderboard.site.entries import Entry
+from overcooked_bench.leaderboard.site.errata import Erratum
+from overcooked_bench.leaderboard.site.groups import Mark
 
 SCHEMA: Final = 1
 TABLE_JSON: Final = "table.json"
@@ -28,11 +30,12 @@ class Line(msgspec.Struct, frozen=True, kw_only=True):
         protocol: Name of the protocol.
         protocol_sha256: Its hash.
         pool_sha256: Hash of the pool; null without one.
-        table: "main", "open" or "unranked".
+        table: "main" of methods, "agents", "open" or "unranked".
         status: "reproduced", "spot-checked", "reported", "withdrawn" or "reference".
         remark: Why it stands there; empty if nothing has to be said.
         date: The day of its audit.
-        group: Letters; methods that share one are not separated. Empty for all but methods.
+        group: Letters; methods that share one are not separated. Empty for all but methods, and for very many of them.
+        places: The highest and the lowest place that a method can have among the methods of its table, such as "2-5".
         kind: "method", "runs" or "agent".
         training_seeds: Training runs.
         metric: What the scores are.
@@ -57,6 +60,7 @@ class Line(msgspec.Struct, frozen=True, kw_only=True):
     remark: str
     date: str | None
     group: str
+    places: str
     kind: str
     training_seeds: int
     metric: str
@@ -74,20 +78,20 @@ class Line(msgspec.Struct, frozen=True, kw_only=True):
 def lines_of(games: Sequence[Games]) -> list[Line]:
     """Lists all rows, table by table."""
     return [
-        line_of(entry, board.groups.get(entry.key, ""))
+        line_of(entry, board.groups.marks.get(entry.key))
         for one in games
         for board in one.boards
         for entry in board.entries
     ]
 
 
-def line_of(entry: Entry, group: str) -> Line:
+def line_of(entry: Entry, mark: Mark | None = None) -> Line:
     """Writes the row of an entry."""
     scores, manifest = entry.scores, entry.manifest
     by_layout = {
-        layout.layout: row.estimate
-        for layout in scores.layouts
-        if (row := scores.find(scores.headline, layout=layout.layout)) is not None
+        layout: row.estimate
+        for layout in scores.settings.play.layouts
+        if (row := scores.find(scores.headline, layout=layout)) is not None
     }
     return Line(
         name=entry.name,
@@ -99,7 +103,8 @@ def line_of(entry: Entry, group: str) -> Line:
         status=entry.status,
         remark=entry.remark,
         date=entry.audit.date if entry.audit else None,
-        group=group,
+        group=mark.letters if mark else "",
+        places=mark.places if mark else "",
         kind=scores.kind,
         training_seeds=scores.training_seeds,
         metric=scores.headline,
@@ -153,22 +158,33 @@ def _text(text: str) -> str:
     return "'" + text if text[:1] in ("=", "+", "-", "@") else text
 
 
-def as_feed(lines: Sequence[Line]) -> str:
-    """Writes feed.xml, RSS 2.0: what was audited, the latest first."""
-    dated = sorted((line for line in lines if line.date), key=lambda line: (line.date, line.page), reverse=True)
+def as_feed(lines: Sequence[Line], errata: Sequence[Erratum]) -> str:
+    """Writes feed.xml, RSS 2.0: what was audited, and errata, the latest first."""
+    dated = [
+        (
+            line.date or "",
+            f"{line.name}: {line.status}",
+            line.page,
+            f"{line.agent_sha256}-{line.protocol_sha256[:8]}-{line.status}",
+            _said(line),
+        )
+        for line in lines
+        if line.date
+    ]
+    dated += [(one.date, f"Erratum: {one.about}", "errata.html", f"{one.date} {one.about}", one.said) for one in errata]
     items = "".join(
-        f"<item><title>{escape(line.name)}: {line.status}</title><link>{escape(line.page)}</link>"
-        f'<guid isPermaLink="false">{line.agent_sha256}-{line.protocol_sha256[:8]}-{line.status}</guid>'
-        f"<description>{escape(_said(line))}</description></item>\n"
-        for line in dated
+        f"<item><title>{escape(title)}</title><link>{escape(page)}</link>"
+        f'<guid isPermaLink="false">{escape(guid)}</guid>'
+        f"<description>{escape(f'{date}; {said}')}</description></item>\n"
+        for date, title, page, guid, said in sorted(dated, reverse=True)
     )
     return (
         '<?xml version="1.0" encoding="utf-8"?>\n<rss version="2.0"><channel>'
         "<title>overcooked-bench leaderboard</title>"
-        f"<link>index.html</link><description>Audited entries</description>\n{items}</channel></rss>\n"
+        f"<link>index.html</link><description>Audited entries and errata</description>\n{items}</channel></rss>\n"
     )
 
 
 def _said(line: Line) -> str:
     score = f"{line.metric} {line.score.text(2)}" if line.score else "no overall score"
-    return "; ".join(filter(None, (line.date, f"protocol {line.protocol}", score, line.remark)))
+    return "; ".join(filter(None, (f"protocol {line.protocol}", score, line.remark)))

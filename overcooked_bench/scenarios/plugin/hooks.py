@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from overcooked_bench.agents.isolation import HOWS
 from overcooked_bench.scenarios import SUFFIX
 from overcooked_bench.scenarios.plugin.stash import BENCH, MARKER, NO_AGENT
 
@@ -52,7 +51,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--isolate",
         nargs="?",
         const="best",
-        choices=HOWS,
+        choices=("best", "strict"),
         help="play a submission in processes of its own, in a sandbox of bubblewrap if there is one, or insist on that",
     )
     option("--category", metavar="A,B", action="append", help="only scenarios of these categories")

@@ -1,7 +1,7 @@
 """The heat map: how well the agent cooperates with each partner on each layout, by stratum of partners."""
 
 from collections.abc import Iterator, Sequence
-from functools import partial
+from functools import cache, partial
 from html import escape
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -132,11 +132,17 @@ def _cell(row: Row, facts: MetricFacts, top: float, about: str) -> str:
 
 def _colours(share: float) -> tuple[str, str]:
     """Returns the colours of a cell's ground and text."""
+    share = min(1.0, max(0.0, share))
+    return _grounds()[min(255, int(share * 256))], "#000000" if share > 0.55 else "#ffffff"
+
+
+@cache
+def _grounds() -> list[str]:
+    """Returns the 256 colours of the map, which looks each of them up slowly."""
     from matplotlib import colormaps
     from matplotlib.colors import to_hex
 
-    share = min(1.0, max(0.0, share))
-    return to_hex(colormaps[_MAP](share)), "#000000" if share > 0.55 else "#ffffff"
+    return [to_hex(colour) for colour in colormaps[_MAP](range(256))]
 
 
 def _scale(facts: MetricFacts, top: float) -> str:

@@ -19,7 +19,7 @@ MOST: Final = 10
 """Cells that are shown."""
 
 
-class _Worst(NamedTuple):
+class WorstCell(NamedTuple):
     """A cell: the partner's number, which it is sorted by, and the mean return on the worse of the seats."""
 
     layout: str
@@ -30,8 +30,7 @@ class _Worst(NamedTuple):
 
 def worst_section(material: Material) -> Section | None:
     """Lists the worst cells, by the headline where it is known for single partners; None if nothing was played."""
-    facts = material.by_partner
-    found = _worst(material, facts) if facts else []
+    facts, found = material.by_partner, worst_cells(material)
     if facts is None or not found:
         return None
     table = _table(material, facts, found)
@@ -42,18 +41,21 @@ def worst_section(material: Material) -> Section | None:
     return Section("Worst cells", [note(said), *games], {"worst": table})
 
 
-def _worst(material: Material, facts: MetricFacts) -> list[_Worst]:
-    scores, found = material.scores, []
+def worst_cells(material: Material, most: int = MOST) -> list[WorstCell]:
+    """Lists the worst partners of a score on its layouts, each on the worse seat; none if nothing was played."""
+    facts, scores, found = material.by_partner, material.scores, []
+    if facts is None:
+        return []
     for layout in scores.layouts:
         for label, mean in scores.with_partners(layout):
             about = {"layout": layout.layout, "partner": label.name}
             seats = [row for seat in scores.settings.play.seats if (row := scores.find(**about, seat=seat))]
             worse = min(seats, key=lambda row: row.value, default=mean)
-            found.append(_Worst(layout.layout, label.name, scores.find(facts.name, **about) or mean, worse))
-    return sorted(found, key=lambda one: (one.row.value, one.mean.value, one.layout, one.partner))[:MOST]
+            found.append(WorstCell(layout.layout, label.name, scores.find(facts.name, **about) or mean, worse))
+    return sorted(found, key=lambda one: (one.row.value, one.mean.value, one.layout, one.partner))[:most]
 
 
-def _table(material: Material, facts: MetricFacts, found: Sequence[_Worst]) -> Table:
+def _table(material: Material, facts: MetricFacts, found: Sequence[WorstCell]) -> Table:
     mean = next(one for one in material.scores.metrics if one.name == MEAN)
     rows: list[list[Cell]] = [
         [
@@ -67,13 +69,13 @@ def _table(material: Material, facts: MetricFacts, found: Sequence[_Worst]) -> T
     return Table([*heads, Column("watch its worst episode", left=True)], rows)
 
 
-def _command(material: Material, one: _Worst) -> str:
+def _command(material: Material, one: WorstCell) -> str:
     seat = [] if one.mean.seat is None else ["--seat", str(one.mean.seat)]
     words = ["replay", str(material.folder), "--layout", one.layout, "--partner", one.partner, *seat, "--worst"]
     return shlex.join(["overcooked-bench", *words])
 
 
-def _game(material: Material, facts: MetricFacts, number: int, one: _Worst) -> str:
+def _game(material: Material, facts: MetricFacts, number: int, one: WorstCell) -> str:
     assert material.episodes is not None
     recording = find_recording(
         *(material.episodes,), layout=one.layout, partner=one.partner, seat=one.mean.seat, worst=True

@@ -1,4 +1,5 @@
-/* Draws the ordered curves of two entries of a protocol, one panel per layout; which ones stands in the address. */
+/* Draws ordered curves, one panel per layout: of the two entries that a form names, which the address keeps, or of the
+   two in the page. */
 "use strict";
 
 (() => {
@@ -40,21 +41,29 @@
     return box;
   }
 
-  function draw() {
-    const chosen = Object.keys(colours).map((which) => [which, data.entries[form.elements[which].value]])
+  function draw(keys) {
+    const chosen = Object.keys(colours).map((which, index) => [which, data.entries[keys[index]]])
       .filter((one) => one[1]);
     panels.replaceChildren(...data.layouts.map((layout) => panel(layout, chosen)));
+  }
+
+  function drawChosen() {
+    draw([form.elements.first.value, form.elements.second.value]);
   }
 
   function restore() {
     const chosen = new URLSearchParams(location.hash.slice(1));
     form.elements.first.value = chosen.get("first") ?? data.keys[0];
     form.elements.second.value = chosen.get("second") ?? "";
-    draw();
+    drawChosen();
   }
 
+  if (!form) {
+    draw(data.keys);
+    return;
+  }
   form.addEventListener("input", () => {
-    draw();
+    drawChosen();
     const chosen = new URLSearchParams({ first: form.elements.first.value });
     if (form.elements.second.value) chosen.set("second", form.elements.second.value);
     history.replaceState(null, "", `#${chosen}`);
