@@ -1,7 +1,7 @@
 """One training run from settings to its summary: what `overcooked-bench train` does after parsing its arguments."""
 
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import msgspec
 
@@ -11,6 +11,7 @@ from overcooked_bench.kitchen.layout import Layout
 from .learning.freeze import Returns
 from .learning.settings import Settings
 from .methods import find_method
+from .presets import config_names, load_config
 from .running.place import EVERY, label, open_place, write_record
 from .running.run import Outcome
 from .running.seeds import USER, derive_seed
@@ -98,6 +99,42 @@ def train_method(
     )
     write_record(folder / SUMMARY, msgspec.to_builtins(summary))
     return outcome, summary
+
+
+def train(
+    method: str, configuration: str = "", *, folder: str | Path | None = None, resume: bool = False, **settings: Any
+) -> tuple[Outcome, Summary]:
+    """Trains a baseline as `overcooked-bench train` does.
+
+    Args:
+        method: A method's name.
+        configuration: One of its configurations, or several joined by commas; by default its first one.
+        folder: Folder that everything is written to; by default the one of the command line.
+        resume: Whether to go on from the folder's checkpoint.
+        settings: Settings that replace the configuration's, such as `layout="cramped_room"` and `seed=1`;
+            `overcooked-bench train METHOD --help` lists them.
+
+    Returns:
+        The frozen policy with its returns, and the summary that was written.
+
+    Raises:
+        KeyboardInterrupt: Stopped by Ctrl-C; the run is saved, and `resume=True` goes on with it.
+        WrongUse: No such method, configuration or setting, or the folder holds another run.
+
+    Example:
+        ```python
+        from overcooked_bench.baselines.training import train
+
+        outcome, summary = train("best-response", layout="cramped_room", partners=("train-v1",), seed=1)
+        print(outcome.files.weights, summary.with_partners)
+        ```
+    """
+    resolved = load_config(method, configuration, **settings)
+    place = Path(folder) if folder else default_folder(method, configuration, resolved)
+    found = train_method(method, configuration or config_names(method)[0], resolved, place, resume)
+    if found is None:
+        raise KeyboardInterrupt
+    return found
 
 
 def _points(returns: Returns) -> Points:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
+from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -19,6 +20,7 @@ from overcooked_bench.agents.kinds import Entrant
 from overcooked_bench.agents.pools.lineage import at_home
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.submissions.checks import AgentError
+from overcooked_bench.evaluation.beside import beside
 from overcooked_bench.evaluation.cells import PartnerLabel, SideBound, pack_labels
 from overcooked_bench.evaluation.games.asking import identify
 from overcooked_bench.evaluation.games.block import Block
@@ -40,6 +42,7 @@ from overcooked_bench.evaluation.scores import (
     Scores,
 )
 from overcooked_bench.evaluation.shown.report import write_report
+from overcooked_bench.evaluation.shown.terminal import WIDTH, score_tables
 from overcooked_bench.evaluation.summary import summarise
 from overcooked_bench.kitchen.layout import Layout
 
@@ -66,6 +69,19 @@ class Scored(NamedTuple):
     folder: Path
     episodes: int
     unwritten: str | None = None
+
+    def table(self, explain: bool = False) -> str:
+        """Returns the table that `overcooked-bench score` prints, as plain text.
+
+        Args:
+            explain: Whether thresholds, partners, cooperation and scenarios are shown too, and what the numbers mean.
+        """
+        from rich.console import Console
+
+        console = Console(width=WIDTH, color_system=None, file=StringIO())
+        with console.capture() as shown:
+            console.print(score_tables(self.scores, beside(self.scores, self.folder), explain))
+        return "\n".join(line.rstrip() for line in shown.get().rstrip().splitlines())
 
 
 def score(

@@ -63,6 +63,12 @@ def table_of(text):
     return {line.split()[0]: line for line in table.splitlines() if line.strip()}
 
 
+def test_a_score_returns_its_table_as_plain_text(scored):
+    for explain in (False, True):
+        lines = shown(scored.scores, explain=explain).rstrip().splitlines()
+        assert scored.table(explain) == "\n".join(line.rstrip() for line in lines)
+
+
 def test_one_table_with_the_reference_below(scored, rules):
     scores = scored.scores
     text = shown(scores, Beside(reference_scores(rules)))
