@@ -2,6 +2,7 @@
 
 import json
 from contextlib import suppress
+from dataclasses import replace
 from io import StringIO
 
 import msgspec
@@ -32,6 +33,12 @@ from overcooked_bench.evaluation.shown.report import gather, write_report
 from overcooked_bench.evaluation.shown.sections.failure import failure_section
 from overcooked_bench.evaluation.shown.terminal import score_tables
 from overcooked_bench.kitchen.kitchens import Kitchens
+from overcooked_bench.leaderboard.site.board import games_of, parts_of
+from overcooked_bench.leaderboard.site.discriminating import discrimination
+from overcooked_bench.leaderboard.site.entries import Entry
+from overcooked_bench.leaderboard.site.lines import as_csv, lines_of
+from overcooked_bench.leaderboard.site.pages.entry import entry_page
+from overcooked_bench.leaderboard.site.pages.protocol import protocol_page
 from tests.evaluation.comparing.made import REPORT, agent, method
 from tests.fuzz.harness import TRIES, attack, seeded
 from tests.fuzz.mutators import as_json, trees_of
@@ -67,6 +74,12 @@ def test_scores_that_are_read_are_shown_and_compared(tries, tmp_path):
                 write_comparison(found, tmp_path / "comparison.html")
         if next(count) % SHOWN_AS_PAGE == 0:
             write_report(scores, tmp_path)
+            entry = Entry("mine", scores, shipped=True)
+            page = entry_page(replace(entry, parts=parts_of(scores)), others[0])
+            assert page.count("</script>") == page.count("<script")
+            (games,) = games_of([entry])
+            protocol_page(games, {name: discrimination([entry], name) for name in scores.settings.play.layouts})
+            as_csv(lines_of([games]))
 
     inputs = as_json(trees_of(seeds, seeded("shown")))
     attack("shown scores", [json.dumps(one).encode() for one in seeds], inputs, read, ScoresError, tries).check()

@@ -37,6 +37,8 @@ def shifted(scores, name, shift, seeds):
             runs = tuple(row.value + shift + 0.01 * (seed - seeds / 2) for seed in range(seeds))
             low, high = row.value + shift - 0.04, row.value + shift + 0.04
             row = msgspec.structs.replace(row, value=row.value + shift, low=low, high=high, per_repetition=runs)
+        elif row.metric == "n" and row.partner is not None:
+            row = msgspec.structs.replace(row, value=row.value + shift)
         rows.append(row)
     overall = next(row.estimate for row in rows if row.metric == "n" and row.about == ("n", (), *[None] * 6))
     return msgspec.structs.replace(

@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
+from overcooked_bench.evaluation.pools.normalised import partner_shares
 from overcooked_bench.evaluation.protocol import NEWEST, load_protocol
 from overcooked_bench.evaluation.scores import Scores
 from overcooked_bench.leaderboard.site.entries import Entry
-from overcooked_bench.leaderboard.site.groups import Groups, separate
+from overcooked_bench.leaderboard.site.groups import Groups, separate, separate_agents
 
 TABLES: Final = {
     "main": "Methods",
@@ -17,13 +18,16 @@ TABLES: Final = {
 """Tables in their order, and their titles."""
 
 
+_ROUNDING: Final = 1e-6
+
+
 class Board(NamedTuple):
     """A table.
 
     Attributes:
         table: Which of `TABLES`.
         entries: Its rows, the highest score first.
-        groups: What the data separate among its methods, by key.
+        groups: What the data separate among its methods, or among its agents in their own table, by key.
     """
 
     table: str
@@ -90,6 +94,8 @@ def games_of(entries: Sequence[Entry]) -> list[Games]:
 
 def _board(table: str, entries: Sequence[Entry]) -> Board:
     order = sorted(entries, key=lambda one: (-one.scores.overall.value if one.scores.overall else 1e9, one.key))
+    if table == "agents":
+        return Board(table, tuple(order), separate_agents({one.key: one.parts for one in order if one.parts}))
     methods = [] if table == "unranked" else [one for one in order if one.scores.kind == "method"]
     return Board(table, tuple(order), separate({one.key: runs for one in methods if (runs := runs_of(one))}))
 
@@ -99,3 +105,24 @@ def runs_of(entry: Entry, layout: str | None = None) -> tuple[float, ...]:
     row = entry.scores.find(entry.scores.headline, layout=layout)
     found = row.per_repetition or () if row is not None else ()
     return found if len(found) == entry.scores.training_seeds else ()
+
+
+def parts_of(scores: Scores) -> dict[tuple[str, str], float]:
+    """Returns what each partner adds to the score of a single agent, by layout and name; they sum to it.
+
+    Empty for a method, and if the score does not hold single partners, or not as shares of the whole.
+
+    Raises:
+        WrongUse: Some partners of a stratum have a weight and others have none.
+    """
+    if scores.kind != "agent" or scores.overall is None:
+        return {}
+    found = {}
+    for layout in scores.layouts:
+        labels = [label for label in layout.partners if label.counts]
+        for label, share in zip(labels, partner_shares(labels) / len(scores.layouts), strict=True):
+            row = scores.find(scores.headline, layout=layout.layout, partner=label.name)
+            if row is None:
+                return {}
+            found[layout.layout, label.name] = float(share * row.value)
+    return found if abs(sum(found.values()) - scores.overall.value) < _ROUNDING else {}

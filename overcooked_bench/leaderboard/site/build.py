@@ -11,7 +11,7 @@ from overcooked_bench.errors import WrongUse
 from overcooked_bench.evaluation.scores import Scores
 from overcooked_bench.files import shown, write_whole
 from overcooked_bench.kitchen.layout import layout_names
-from overcooked_bench.leaderboard.site.board import Games, games_of
+from overcooked_bench.leaderboard.site.board import Games, games_of, parts_of
 from overcooked_bench.leaderboard.site.discriminating import Discrimination, discrimination
 from overcooked_bench.leaderboard.site.entries import (
     Entry,
@@ -108,6 +108,7 @@ def _write(entry: Entry, references: dict[tuple[str, str], Scores], home: Path) 
     line_of(entry)
     curves_of(scores)
     write_whole(home / "entries" / f"{entry.key}.html", content)
+    entry = replace(entry, parts=parts_of(scores))
     if entry.shipped:
         return entry
     rows = tuple(row for row in scores.rows if row.partner is None)

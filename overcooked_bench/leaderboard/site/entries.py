@@ -2,7 +2,8 @@
 
 import hashlib
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -45,6 +46,7 @@ class Entry:
         audit: What was looked at; None if nobody has.
         folder: Where it is; None for the bare score of a reference agent.
         shipped: Whether it ships with the package.
+        parts: What each partner adds to the score of a single agent; empty for others.
     """
 
     key: str
@@ -53,6 +55,7 @@ class Entry:
     audit: Audit | None = None
     folder: Path | None = None
     shipped: bool = False
+    parts: Mapping[tuple[str, str], float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

@@ -1,4 +1,7 @@
-"""Which methods of a table the data separate, and in a form that stays short however many rows there are."""
+"""Which rows of a table the data separate, and in a form that stays short however many there are.
+
+Methods are tested over training seeds, single agents over the partners that they all met.
+"""
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations
@@ -8,21 +11,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overcooked_bench.evaluation.comparing.letters import letters_of
-from overcooked_bench.evaluation.comparing.permutation import holm, over_seeds, smallest_p
+from overcooked_bench.evaluation.comparing.permutation import (
+    DRAWS,
+    MOST_EXACT,
+    holm,
+    over_seeds,
+    over_units,
+    smallest_p,
+)
 
 LEVEL: Final = 0.05
-"""Two methods are separated if their adjusted p is this or less."""
+"""Two rows are separated if their adjusted p is this or less."""
 
 MOST_LETTERS: Final = 12
-"""Of more methods, letters would be long and say little; places are shown alone."""
+"""Of more rows, letters would be long and say little; places are shown alone."""
+
+
+_LEAST: Final = 1e-18
+"""Least variance, of scores that are all the same."""
 
 
 class Mark(NamedTuple):
-    """Where a method stands among the methods of its table.
+    """Where a row stands among those of its table.
 
     Attributes:
-        letters: Two methods that share one are not separated; empty if there are more than `MOST_LETTERS` methods.
-        first: Its highest possible place: one below all methods that are separated from it and higher.
+        letters: Two that share one are not separated; empty if there are more than `MOST_LETTERS`.
+        first: Its highest possible place: one below all that are separated from it and higher.
         last: Its lowest possible place.
     """
 
@@ -40,7 +54,7 @@ class Groups(NamedTuple):
     """What the data separate.
 
     Attributes:
-        marks: Method -> where it stands.
+        marks: Row -> where it stands.
         separated: Pairs that are separated.
         pairs: All pairs.
         permuted: Whether they were tested by permutations, or by Student's t because there are too many of them.
@@ -62,11 +76,36 @@ def separate(runs: Mapping[str, Sequence[float]]) -> Groups:
     Args:
         runs: Method -> the score of each of its training seeds, two or more; the method with the highest score first.
     """
-    names = list(runs)
-    pairs = list(combinations(range(len(names)), 2))
+    names, pairs = _paired(runs)
     scores = [np.asarray(runs[name], np.float64) for name in names]
     permuted = smallest_p(max(map(len, scores), default=0)) * len(pairs) <= LEVEL
     p = [_permuted(scores[one], scores[other]) for one, other in pairs] if permuted else _welch(scores, pairs)
+    return _grouped(names, pairs, p, permuted)
+
+
+def separate_agents(parts: Mapping[str, Mapping[tuple[str, str], float]]) -> Groups:
+    """Tests every two agents over the partners that all of them met, adjusted by Holm for all pairs.
+
+    The test flips signs of differences. Of more than 32 agents it could not separate two; then the paired t is used.
+
+    Args:
+        parts: Agent -> what each partner, by layout and name, adds to its score; the agent with the highest score
+            first. Agents that met other partners than the first one have no place.
+    """
+    met = next(iter(parts.values()), {}).keys()
+    runs = {name: [found[key] for key in met] for name, found in parts.items() if found.keys() == met and len(met) > 1}
+    names, pairs = _paired(runs)
+    scores = np.array(list(runs.values()), np.float64)
+    permuted = max(2 / 2 ** len(met), 1 / (DRAWS + 1) if 2 ** len(met) > MOST_EXACT else 0) * len(pairs) <= LEVEL
+    p = [over_units(scores[one] - scores[other]) for one, other in pairs] if permuted else _paired_t(scores, pairs)
+    return _grouped(names, pairs, p, permuted)
+
+
+def _paired(runs: Mapping[str, object]) -> tuple[list[str], list[tuple[int, int]]]:
+    return list(runs), list(combinations(range(len(runs)), 2))
+
+
+def _grouped(names: Sequence[str], pairs: Sequence[tuple[int, int]], p: Sequence[float], permuted: bool) -> Groups:
     apart = [pair for pair, adjusted in zip(pairs, holm(p), strict=True) if adjusted <= LEVEL]
     above, below = [0] * len(names), [0] * len(names)
     for one, other in apart:
@@ -97,10 +136,23 @@ def _welch(scores: Sequence[NDArray[np.float64]], pairs: Sequence[tuple[int, int
 
     variances = np.array([one.var(ddof=1) for one in scores])
     counts = np.array([len(one) for one in scores])
-    errors = np.maximum(variances, np.median(variances)) / counts
+    errors = np.maximum(variances, max(_LEAST, np.median(variances))) / counts
     means = np.array([one.mean() for one in scores])
     one, other = np.array(pairs).T
     error = errors[one] + errors[other]
     freedom = error**2 / (errors[one] ** 2 / (counts[one] - 1) + errors[other] ** 2 / (counts[other] - 1))
     found: list[float] = (2 * t.sf(np.abs(means[one] - means[other]) / np.sqrt(error), freedom)).tolist()
+    return found
+
+
+def _paired_t(scores: NDArray[np.float64], pairs: Sequence[tuple[int, int]]) -> list[float]:
+    """Returns the two-sided p of the paired t of each pair, from sums and products of all at once."""
+    from scipy.stats import t
+
+    count, sums, products = scores.shape[1], scores.sum(axis=1), scores @ scores.T
+    one, other = np.array(pairs).T
+    total = sums[one] - sums[other]
+    squares = np.diag(products)[one] + np.diag(products)[other] - 2 * products[one, other]
+    variance = np.maximum((squares - total**2 / count) / (count - 1), _LEAST)
+    found: list[float] = (2 * t.sf(np.abs(total) / np.sqrt(count * variance), count - 1)).tolist()
     return found

@@ -34,8 +34,8 @@ class Line(msgspec.Struct, frozen=True, kw_only=True):
         status: "reproduced", "spot-checked", "reported", "withdrawn" or "reference".
         remark: Why it stands there; empty if nothing has to be said.
         date: The day of its audit.
-        group: Letters; methods that share one are not separated. Empty for all but methods, and for very many of them.
-        places: The highest and the lowest place that a method can have among the methods of its table, such as "2-5".
+        group: Letters; methods, or agents, that share one are not separated. Empty if there are very many of them.
+        places: The highest and the lowest place that it can have among those of its table, such as "2-5".
         kind: "method", "runs" or "agent".
         training_seeds: Training runs.
         metric: What the scores are.

@@ -45,7 +45,7 @@ def notes_section(material: Material) -> Section:
 
 def played_section(material: Material) -> Section:
     """Lists what identifies the score."""
-    return Section("What was played", [definitions(_facts(material.scores))])
+    return Section("What was played", [definitions(pair for pair in _facts(material.scores) if pair[1])])
 
 
 def _facts(scores: Scores) -> Iterator[tuple[str, str]]:

@@ -31,7 +31,7 @@ from overcooked_bench.leaderboard.site.pages.look import link, outside, whole
 from overcooked_bench.leaderboard.site.worst import worst_games
 from overcooked_bench.rendering.page import contents, note
 from overcooked_bench.rendering.page import section as titled
-from overcooked_bench.rendering.table import Cell, Code, Column, Table
+from overcooked_bench.rendering.table import Cell, Column, Table
 from overcooked_bench.rendering.viewer.games import pack_game, player, script
 
 _WIDEST: Final = 140
@@ -199,5 +199,5 @@ def _commands(entry: Entry) -> str:
     if not entry.shipped:
         audit = ["overcooked-bench", "leaderboard", "audit", folder, "--agent", agent, "--all"]
         commands.append(("compare with every number", audit))
-    rows: list[list[Cell]] = [[what, Code(shlex.join(words))] for what, words in commands]
-    return Table(["", Column("command", left=True)], rows).html()
+    shown = "".join(f"<dt>{what}</dt><dd><code>{escape(shlex.join(words))}</code></dd>" for what, words in commands)
+    return f"<dl>{shown}</dl>"

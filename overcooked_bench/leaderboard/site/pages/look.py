@@ -29,7 +29,7 @@ th[aria-sort=descending] button::after { content: " \\2193"; } th[aria-sort=asce
 :focus-visible { outline: 2px solid #0072B2; outline-offset: 2px; }
 .old table, .old h3, nav .old { color: var(--dim); }
 tr[data-status=withdrawn] .score { text-decoration: line-through; }
-td.remark { white-space: normal; min-width: 14rem; text-align: left; }
+td.remark { white-space: normal; min-width: 24rem; text-align: left; }
 table.board td:first-child { min-width: 6rem; }
 [hidden], table.few .more, table.board .on { display: none; }
 div.panels svg { width: 100%; height: auto; } .tick { font-size: 10px; fill: var(--dim); }

@@ -18,7 +18,7 @@ from overcooked_bench.rendering.page import note
 _SHARE: Final = MetricFacts(name="scenarios", label="scenarios passed", unit="share", digits=0)
 _EXPLAINED: Final = {
     "main": "Methods of five training seeds or more that never saw the pool, played again by somebody else.",
-    "agents": "One training run, or rules. Intervals say nothing about training it once more, so no groups are shown.",
+    "agents": "One training run, or rules. Intervals and groups say nothing about training it once more.",
     "open": "Training or selection saw the partners that score it: no evidence on cooperation with strangers.",
     "unranked": "The column remark says why. What is reported only was never played again by anybody else.",
 }
@@ -67,14 +67,16 @@ def _groups(board: Board) -> str:
     groups, count = board.groups, len(board.groups.marks)
     if count < 2:
         return ""
-    test = "a permutation test" if groups.permuted else "Welch's t"
-    said = f"{groups.separated:,} of {groups.pairs:,} pairs of methods are separated, by {test} over training seeds, "
+    agents = board.table == "agents"
+    test = "a permutation test" if groups.permuted else "the paired t" if agents else "Welch's t"
+    units = "the partners, which all met" if agents else "training seeds"
+    said = f"{groups.separated:,} of {groups.pairs:,} pairs are separated, by {test} over {units}, "
     said += "adjusted by Holm for all pairs. "
     if not groups.permuted:
         said += "A permutation test could not separate any two of so many; t assumes normally distributed scores. "
     if count <= MOST_LETTERS:
-        said += "Methods that share a letter of the column group are not separated. "
-    return said + "Places: the highest and the lowest that a method can have, given what is separated."
+        said += "Rows that share a letter of the column group are not separated. "
+    return said + "Places: the highest and the lowest that a row can have, given what is separated."
 
 
 def _table(games: Games, board: Board, up: str) -> str:
