@@ -33,7 +33,7 @@ FOLDER = Path(__file__).with_name("hostile")
 SECURITY = Path(__file__).parents[3] / "SECURITY.md"
 RULES = read_protocol(protocol_text(horizon=6, episodes=2), "tiny.yaml")
 HARMLESS, HONEST = "harmless", "honest"
-LEAST = Limits(memory=1 << 30, cpu_seconds=1, file_bytes=1 << 24)
+LEAST = Limits(memory=1 << 30, file_bytes=1 << 24)
 """So little that what grows without end is at its limit at once."""
 
 
@@ -81,7 +81,7 @@ ATTACKS: Mapping[str, Attack] = {
     "write_files": Attack(reached=frozenset({"a place to write"})),
     # these are at fault
     "allocate": Attack(("MemoryError",), limits=LEAST),
-    "burn_cpu": Attack(("its process was ended by SIGXCPU: it had used its 1 s of CPU time",), limits=LEAST),
+    "burn_cpu": Attack(("its process was ended by SIGXCPU: it had used its 1 s of CPU time",), limits=Limits(cpu_seconds=1)),
     "crash": Attack(("its process was ended by SIGSEGV",)),
     "fill_disk": Attack(("OSError.*(No space left|File too large)",), limits=LEAST, weak=False),
     "forge": Attack(
