@@ -93,6 +93,8 @@ def play_entry(name: str, games: Games, home: Path, report: Report = lambda what
     found = find(name, mode=games.protocol.play.mode)
     entry = load_entry(name) if name in shipped_entries() else None
     scores = _score(found, games.protocol, games.workers, home, report, scenarios=True)
+    if not any(scores.select("n")):
+        raise WrongUse(f"{name} has no N under {games.protocol.name}; give a --protocol whose pool has bounds")
     criterion = None
     if games.criterion is not None:
         criterion = _score(found, games.criterion, games.workers, home, report, scenarios=False)

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from overcooked_bench.estimate import Estimate
+from overcooked_bench.evaluation.shown.card import HEADS, STRATA
 from overcooked_bench.evaluation.shown.comparison import p_text
 from overcooked_bench.evaluation.shown.tables import NONE, count_text
 from overcooked_bench.rendering.table import Cell, Column, Table
@@ -11,8 +12,6 @@ from overcooked_bench.rendering.table import Cell, Column, Table
 from .records import EntryRecord, LayoutRecord, Seeds, Standings
 from .separated import Pair, letters
 
-STRATA: Final = {"own": "own", "other-trainers": "other code", "human": "human", "scripted": "scripts"}
-"""Stratum -> its heading, in the order of columns; others follow."""
 MEAN: Final = "mean"
 
 Rows = list[list[Cell]]
@@ -50,7 +49,7 @@ def strata_table(found: Standings) -> Table:
         numbers = [*(one.strata.get(name) for name in strata), one.home, one.away, one.worst_third]
         return [one.name, *(number(value, 2) for value in numbers)]
 
-    heads = [STRATA.get(name, name) for name in strata]
+    heads = [heading(name) for name in strata]
     return _with_reference(found, ["N with", *heads, "at home", "away", "worst third"], cells)
 
 
@@ -156,6 +155,11 @@ def strata_of(found: Standings) -> list[str]:
     """Lists the strata of all entries, the known ones first."""
     there = dict.fromkeys(name for one in found.entries for name in one.strata)
     return [*(name for name in STRATA if name in there), *(name for name in there if name not in STRATA)]
+
+
+def heading(stratum: str) -> str:
+    """Returns the heading of a stratum's column, in one line."""
+    return HEADS.get(stratum, stratum).replace("\n", " ")
 
 
 def layouts_of(found: Standings) -> list[str]:

@@ -12,9 +12,9 @@ from .augmented import AUGMENTED, PLAIN, claims, claims_table, readings
 from .records import EntryRecord, Standings
 from .separated import Pair, fewest_seeds, letters, pairs
 from .tables import (
-    STRATA,
     costs_table,
     cross_play_table,
+    heading,
     headline_table,
     layouts_table,
     number,
@@ -120,7 +120,7 @@ def readme_table(found: Standings) -> Table:
         [one for one in found.entries if (one.name == found.reference) is is_last] for is_last in (False, True)
     )
     return Table(
-        [*heads, *(STRATA.get(name, name) for name in strata)],
+        [*heads, *(heading(name) for name in strata)],
         [cells(one) for one in rows],
         [cells(one) for one in last],
     )

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Final, NoReturn
 
+from overcooked_bench.agents.isolation import HOWS
 from overcooked_bench.errors import WrongUse
 from overcooked_bench.shelf import guess
 
@@ -116,7 +117,7 @@ def add_isolate(parser: argparse.ArgumentParser) -> None:
         "--isolate",
         nargs="?",
         const="best",
-        choices=("best", "strict"),
+        choices=HOWS,
         help="play a submission in processes of its own that see observations and return actions, in a sandbox of "
         "bubblewrap if it is installed; --isolate=strict refuses to play without one",
     )

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from overcooked_bench.estimate import Estimate
+from overcooked_bench.evaluation.shown.comparison import p_text
 from overcooked_bench.evaluation.shown.ordered_tables import label
 from overcooked_bench.rendering.table import Column, Table
 
@@ -128,15 +129,11 @@ def _tests(tests: Sequence[Test], level: bool = False) -> Table:
                 f"{found.blocks}",
                 " / ".join(f"{mean:.3f}" for mean in test.means),
                 f"{text} ({100 * found.level:g} %)" if level else text,
-                _p(found.p),
-                _p(found.adjusted),
+                p_text(found.p),
+                p_text(found.adjusted),
             ]
         )
     return Table([Column(head, left=index < 3) for index, head in enumerate(heads)], rows)
-
-
-def _p(value: float) -> str:
-    return "<.001" if value < 0.001 else f"{value:.3f}"
 
 
 def _arms(arms: Sequence[ArmMeans]) -> Table:

@@ -1,8 +1,6 @@
 """What a submission's process does: it loads the submission, and answers requests with actions or texts."""
 
-import random
 import socket
-import sys
 from typing import Any
 
 import msgspec
@@ -12,6 +10,7 @@ from overcooked_bench.agents.agent import Agent, GameError, UnknownLayout
 from overcooked_bench.agents.isolation import frames
 from overcooked_bench.agents.isolation.frames import Frame, Message
 from overcooked_bench.agents.saying import describe, say
+from overcooked_bench.agents.seeding import seed_generators
 from overcooked_bench.agents.submissions.checks import ActionError, AgentError, check_actions
 from overcooked_bench.agents.submissions.loading import Submission, load_submission
 from overcooked_bench.kitchen.state import KitchenState
@@ -128,7 +127,7 @@ class _Player:
     def _make(self, wanted: Wanted) -> Made:
         submission = load_submission(self._path, self._function)
         if wanted.key is not None:
-            _seed(wanted.key)
+            seed_generators(wanted.key)
         self._agent = submission.make_agent(wanted.layout, wanted.training_seed)
         return Made(self._agent.observation)
 
@@ -138,12 +137,3 @@ def _facts(submission: Submission) -> Facts:
     if origin is None:
         return Facts(submission.training_seeds)
     return Facts(submission.training_seeds, origin.codebase, origin.people)
-
-
-def _seed(key: int) -> None:
-    """Seeds the global generators as `seeding.seeded` does."""
-    random.seed(key)
-    np.random.seed(key % 2**32)  # noqa: NPY002
-    torch = sys.modules.get("torch")
-    if torch is not None:
-        torch.manual_seed(key)

@@ -5,6 +5,7 @@ import sys
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from overcooked_bench.agents.isolation import HOWS
 from overcooked_bench.agents.isolation.bubblewrap import missing
 from overcooked_bench.agents.isolation.seccomp import MACHINES
 from overcooked_bench.errors import WrongUse
@@ -12,7 +13,6 @@ from overcooked_bench.errors import WrongUse
 Level = Literal["strong", "weak"]
 How = Literal["best", "strict"]
 
-HOWS: Final = ("best", "strict")
 _MIB: Final = 1 << 20
 
 

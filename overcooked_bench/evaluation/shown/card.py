@@ -18,7 +18,8 @@ STRATA: Final = {
     "scripted": "scripted (scripts): agents of rules",
 }
 """Strata of partners in the order in which they are shown, and what they are."""
-_HEADS: Final = {"other-trainers": "other\ncode", "scripted": "scripts"}
+HEADS: Final = {"other-trainers": "other\ncode", "scripted": "scripts"}
+"""Headings of columns of strata that are not their names."""
 _GAP: Final = 2
 
 _Cells = Callable[[Scores, str | None], Cell]
@@ -54,7 +55,7 @@ def columns_note(scores: Scores) -> str:
     first, *_ = scores.settings.report.headlines
     title = next((facts.label.partition(" ")[0] for facts in scores.metrics if facts.name == first), first)
     rows = list(scores.select(first))
-    strata = [_HEADS.get(one, one).replace("\n", " ") for one in STRATA if any(row.stratum == one for row in rows)]
+    strata = [HEADS.get(one, one).replace("\n", " ") for one in STRATA if any(row.stratum == one for row in rows)]
     said = [f"{', '.join(strata)}: {title} with each stratum of partners"] if strata else []
     if any(row.home is False for row in rows):
         said.append(f"away: {title} with partners of other code and other people than the agent was trained with")
@@ -73,7 +74,7 @@ def _columns(scores: Scores, shown_beside: Beside) -> list[_Shown]:
         columns = [_Shown(f"{known[first].label.partition(' ')[0]} ± s.e.", columns[0].cell)]
     columns += [_Shown(known[name].label, _value(name)) for name in others if name in known]
     strata = dict.fromkeys(row.stratum for row in scores.select(first) if row.stratum is not None)
-    columns += [_Shown(_HEADS.get(one, one), _value(first, stratum=one)) for one in sorted(strata, key=_order)]
+    columns += [_Shown(HEADS.get(one, one), _value(first, stratum=one)) for one in sorted(strata, key=_order)]
     if any(row.home is False for row in scores.select(first)):
         columns.append(_Shown("away", _value(first, home=False), 2))
     columns += [_Shown(known[WORST].label, _value(WORST), 3)] if WORST in known else []

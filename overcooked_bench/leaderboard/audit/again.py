@@ -10,6 +10,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from overcooked_bench.evaluation.comparing.permutation import over_units
 from overcooked_bench.evaluation.games.block import Block, Outcome, rows_of
 from overcooked_bench.evaluation.games.cutting import cut
 from overcooked_bench.evaluation.games.episode import BlockKey, Episode
@@ -17,7 +18,6 @@ from overcooked_bench.evaluation.games.store import Store
 
 SHARE: Final = 0.02
 LEAST: Final = 20
-DRAWS: Final = 9_999
 LEVEL: Final = 0.001
 """p below which returns of other machines or versions are taken for those of another agent."""
 
@@ -84,13 +84,12 @@ def recorded(store: Store, keys: Sequence[BlockKey]) -> dict[BlockKey, list[Epis
     return found
 
 
-def compare(outcomes: Sequence[Outcome], before: Mapping[BlockKey, Sequence[Episode]], seed: int) -> Compared:
-    """Compares batches that were played again, cell by cell.
+def compare(outcomes: Sequence[Outcome], before: Mapping[BlockKey, Sequence[Episode]]) -> Compared:
+    """Compares batches that were played again, cell by cell; returns by flipping the signs of their differences.
 
     Args:
         outcomes: What became of them; a fault of the agent makes all its cells differ.
         before: The recorded episodes of their blocks.
-        seed: Of the permutation test.
     """
     cells, same, first, changes = 0, 0, None, []
     for outcome in outcomes:
@@ -103,16 +102,4 @@ def compare(outcomes: Sequence[Outcome], before: Mapping[BlockKey, Sequence[Epis
                 if new != old and first is None:
                     first = outcome.fault or old.cell
                 changes.append((new.soup_reward if new else 0.0) - old.soup_reward)
-    return Compared(cells, same, _sign_test(np.array(changes, np.float64), seed), first)
-
-
-def _sign_test(changes: "np.typing.NDArray[np.float64]", seed: int) -> float:
-    """Returns the two-sided p that pairs of returns differ by chance alone: the signs of their differences are drawn.
-
-    Source: Fisher 1935, "The Design of Experiments".
-    """
-    if not changes.any():
-        return 1.0
-    signs = np.random.default_rng(seed).choice([-1.0, 1.0], (DRAWS, len(changes)))
-    reached = np.abs(signs @ changes) >= abs(changes.sum()) * (1 - 1e-9)
-    return float((1 + reached.sum()) / (1 + DRAWS))
+    return Compared(cells, same, over_units(changes), first)

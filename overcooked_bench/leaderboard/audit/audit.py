@@ -12,6 +12,7 @@ from overcooked_bench.agents.entries import load_entry, shipped_entries
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.documents import read_json
 from overcooked_bench.errors import WrongUse
+from overcooked_bench.evaluation.games.facts import read_facts
 from overcooked_bench.evaluation.games.replayed import check_returns, read_settings
 from overcooked_bench.evaluation.games.store import Store
 from overcooked_bench.evaluation.protocol import Protocol
@@ -224,7 +225,7 @@ def _schema_problems(folder: Path) -> list[str]:
 
 
 def _load_pool(store: Store, rules: Protocol, instead: str | Path | None) -> Pool:
-    source = instead or store.facts.get("pool_given") or rules.play.pool
+    source = instead or read_facts(store).pool_given or rules.play.pool
     if source is None:
         raise AuditError("the protocol names no pool; name the one that was played with, with --pool")
     return Pool.load(source)

@@ -14,6 +14,7 @@ from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.documents import parse_json
 from overcooked_bench.evaluation.cells import PartnerLabel, SideBound
 from overcooked_bench.evaluation.games.episode import Episode, pack_state, side_of
+from overcooked_bench.evaluation.games.facts import read_facts
 from overcooked_bench.evaluation.games.roster import ITSELF, SELF, Partner, roster
 from overcooked_bench.evaluation.games.store import Store, StoreError
 from overcooked_bench.evaluation.games.streams import Streams
@@ -36,9 +37,9 @@ def protocol_problems(store: Store, scores: Scores, rules: Protocol) -> Iterator
         scores: Its score.json.
         rules: The protocol in the store.
     """
-    facts = store.facts
-    if facts.get("protocol") != rules.sha256:
-        yield f"the store names the protocol {facts.get('protocol')!r}, and what it holds has {rules.sha256}"
+    facts = read_facts(store)
+    if facts.protocol != rules.sha256:
+        yield f"the store names the protocol {facts.protocol!r}, and what it holds has {rules.sha256}"
     if rules.name in protocol_names():
         shipped = load_protocol(rules.name)
         yield from (
@@ -46,8 +47,8 @@ def protocol_problems(store: Store, scores: Scores, rules: Protocol) -> Iterator
             for part in ("version", "play", "report")
             if getattr(rules, part) != getattr(shipped, part)
         )
-    if rules.play.pool_sha256 is not None and facts.get("pool") != rules.play.pool_sha256:
-        yield f"the pool is {facts.get('pool')}, the protocol means {rules.play.pool_sha256}"
+    if rules.play.pool_sha256 is not None and facts.pool != rules.play.pool_sha256:
+        yield f"the pool is {facts.pool}, the protocol means {rules.play.pool_sha256}"
     for one in scores.declined:
         if one.layout not in rules.play.layouts or any(layout == one.layout for layout, _, _ in store.blocks()):
             yield f"{one.layout}: declined, but not in the protocol, or played"
@@ -65,8 +66,8 @@ def fault_problems(store: Store, scores: Scores, rules: Protocol) -> Iterator[st
 
 def partner_problems(store: Store, pool: Pool, rules: Protocol) -> Iterator[str]:
     """Yields what a store says of partners that the pool does not."""
-    if store.facts.get("pool") != pool.hash:
-        yield f"the result was played with the pool {store.facts.get('pool')}, this one is {pool.hash}"
+    if (played := read_facts(store).pool) != pool.hash:
+        yield f"the result was played with the pool {played}, this one is {pool.hash}"
     notes = parse_json(store.facts.get("partners", "{}"), str(store.file), Notes, StoreError)
     for layout, labels in notes.items():
         meant = {one.name: _label(one) for one in roster(pool, layout, rules.play.per_stratum)}
@@ -97,7 +98,7 @@ def cell_problems(store: Store, pool: Pool, rules: Protocol, training_seeds: int
     Raises:
         StoreError: A block is not as it was written.
     """
-    play = rules.play
+    play, facts = rules.play, read_facts(store)
     for key, group in groupby(store.episodes(), key=lambda episode: episode.block):
         layout, run, episode = key
         where = f"{layout}, training seed {run}, episode {episode}"
@@ -108,21 +109,14 @@ def cell_problems(store: Store, pool: Pool, rules: Protocol, training_seeds: int
             (one.name, one.sha256, one.kind) for one in roster(pool, layout, play.per_stratum)
         }
         if play.self_play:
-            met.add((ITSELF, store.facts.get("agent", ""), SELF))
+            met.add((ITSELF, facts.agent, SELF))
         rows = list(group)
         wanted: Counter[tuple[str, str, str, int]] = Counter((*one, seat) for one in met for seat in play.seats)
         there = Counter((row.partner, row.partner_sha256, row.kind, row.seat) for row in rows)
         for name, _, kind, seat in sorted(((wanted - there) + (there - wanted)).elements()):
             yield f"{where}, partner {name} ({kind}), seat {seat}: missing, too many, or another partner"
-        streams = Streams(rules.sha256, store.facts.get("salt", ""), _seed(store), layout, episode)
+        streams = Streams(rules.sha256, facts.salt, facts.seed, layout, episode)
         yield from _start_problems(rules, streams, rows)
-
-
-def _seed(store: Store) -> int:
-    try:
-        return int(store.facts.get("seed", "0"))
-    except ValueError as error:
-        raise StoreError(f"{store.file}: its seed is no whole number ({error})") from error
 
 
 def _start_problems(rules: Protocol, streams: Streams, rows: Sequence[Episode]) -> Iterator[str]:

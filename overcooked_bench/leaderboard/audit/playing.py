@@ -20,6 +20,7 @@ from overcooked_bench.evaluation.games.asking import Answer, ask_block, identify
 from overcooked_bench.evaluation.games.block import Block, Outcome, play_block
 from overcooked_bench.evaluation.games.engines import Engine, open_engine
 from overcooked_bench.evaluation.games.episode import BlockKey, Episode
+from overcooked_bench.evaluation.games.facts import read_facts
 from overcooked_bench.evaluation.games.store import Store
 from overcooked_bench.evaluation.protocol import Protocol
 from overcooked_bench.evaluation.scenario_scores import play_scenarios
@@ -93,12 +94,12 @@ def play_checks(store: Store, scores: Scores, rules: Protocol, pool: Pool, wante
         AgentError: The agent cannot be loaded.
         IsolationError: It cannot be isolated as it should be.
     """
-    facts = store.facts
+    facts = read_facts(store)
     first = Block(
         agent="",
-        agent_sha256=facts.get("agent", ""),
+        agent_sha256=facts.agent,
         protocol=rules,
-        salt=facts.get("salt", ""),
+        salt=facts.salt,
         pool=str(pool.folder.absolute()),
         pool_sha256=pool.hash,
         seed=scores.seed,
@@ -135,7 +136,7 @@ def play_checks(store: Store, scores: Scores, rules: Protocol, pool: Pool, wante
             return PlayChecks(tuple(checks), tuple(flagged), 0)
         checks.append(_acts(own, found, engine, patience))
         outcomes = list(engine.map(play_block, own, _lost, patience))
-        compared = compare(outcomes, found, wanted.seed)
+        compared = compare(outcomes, found)
         checks.append(_again(compared, _same_machine(scores)))
         checks.append(_scenarios(entrant, scores, rules, engine, patience, isolation))
     return PlayChecks(tuple(checks), tuple(flagged), compared.cells)

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Final
 
 from overcooked_bench.leaderboard.audit.records import Audit
+from overcooked_bench.rendering.table import styled
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -16,22 +17,21 @@ def audit_tables(audit: Audit) -> "Group":
     """Lays an audit out within 100 columns."""
     from rich.console import Group, RenderableType
     from rich.table import Table
-    from rich.text import Text
 
     table = Table(box=None, padding=(0, 2, 0, 0))
     for heading in ("check", "verdict", "what was compared"):
         table.add_column(heading, header_style="bold", overflow="fold")
     for check in audit.checks:
-        table.add_row(check.name, Text(check.verdict, style=_STYLES[check.verdict]), Text(check.said))
+        table.add_row(styled(check.name), styled(check.verdict, _STYLES[check.verdict]), styled(check.said))
         for problem in check.problems[:_MOST]:
-            table.add_row("", "", Text(problem, style="red"))
+            table.add_row("", "", styled(problem, "red"))
     salt = "a secret salt" if audit.official else "the public salt, so no official run"
     parts: list[RenderableType] = [
-        Text(f"{audit.agent.name} · protocol {audit.protocol.name} ({audit.protocol.sha256[:8]})", style="bold"),
+        styled(f"{audit.agent.name} · protocol {audit.protocol.name} ({audit.protocol.sha256[:8]})", "bold"),
         table,
-        *(Text(f"flag, {flag.kind}{f', {flag.layout}' if flag.layout else ''}: {flag.said}") for flag in audit.flags),
-        Text(f"played with {salt}; cells drawn with the seed {audit.seed}", style="dim"),
-        Text(f"status {audit.status}, table {audit.table}: {_standing(audit)}", style="bold"),
+        *(styled(f"flag, {flag.kind}{f', {flag.layout}' if flag.layout else ''}: {flag.said}") for flag in audit.flags),
+        styled(f"played with {salt}; cells drawn with the seed {audit.seed}", "dim"),
+        styled(f"status {audit.status}, table {audit.table}: {_standing(audit)}", "bold"),
     ]
     return Group(*parts)
 

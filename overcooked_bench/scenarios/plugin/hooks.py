@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from overcooked_bench.agents.isolation import HOWS
 from overcooked_bench.scenarios import SUFFIX
 from overcooked_bench.scenarios.plugin.stash import BENCH, MARKER, NO_AGENT
 
@@ -51,7 +52,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--isolate",
         nargs="?",
         const="best",
-        choices=("best", "strict"),
+        choices=HOWS,
         help="play a submission in processes of its own, in a sandbox of bubblewrap if there is one, or insist on that",
     )
     option("--category", metavar="A,B", action="append", help="only scenarios of these categories")
