@@ -81,7 +81,9 @@ ATTACKS: Mapping[str, Attack] = {
     "write_files": Attack(reached=frozenset({"a place to write"})),
     # these are at fault
     "allocate": Attack(("MemoryError",), limits=LEAST),
-    "burn_cpu": Attack(("its process was ended by SIGXCPU: it had used its 1 s of CPU time",), limits=Limits(cpu_seconds=1)),
+    "burn_cpu": Attack(
+        ("its process was ended by SIGXCPU: it had used its 1 s of CPU time",), limits=Limits(cpu_seconds=1)
+    ),
     "crash": Attack(("its process was ended by SIGSEGV",)),
     "fill_disk": Attack(("OSError.*(No space left|File too large)",), limits=LEAST, weak=False),
     "forge": Attack(
