@@ -1,5 +1,7 @@
 """One training run from settings to its summary: what `overcooked-bench train` does after parsing its arguments."""
 
+import sys
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any, Final
 
@@ -104,7 +106,7 @@ def train_method(
 def train(
     method: str, configuration: str = "", *, folder: str | Path | None = None, resume: bool = False, **settings: Any
 ) -> tuple[Outcome, Summary]:
-    """Trains a baseline as `overcooked-bench train` does.
+    """Trains a baseline as `overcooked-bench train` does; its progress goes to standard error.
 
     Args:
         method: A method's name.
@@ -131,7 +133,8 @@ def train(
     """
     resolved = load_config(method, configuration, **settings)
     place = Path(folder) if folder else default_folder(method, configuration, resolved)
-    found = train_method(method, configuration or config_names(method)[0], resolved, place, resume)
+    with redirect_stdout(sys.stderr):
+        found = train_method(method, configuration or config_names(method)[0], resolved, place, resume)
     if found is None:
         raise KeyboardInterrupt
     return found

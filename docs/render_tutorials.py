@@ -26,7 +26,7 @@ import jupytext
 import nbformat
 
 TUTORIALS: Final = Path(__file__).parent / "tutorials"
-_SHORT: Final = re.compile(r"^(\w+ = ).*?  # short: (.*)$", re.MULTILINE)
+_SHORT: Final = re.compile(r"^([\w, ]+ = ).*?  # short: (.*)$", re.MULTILINE)
 _COMMENT: Final = re.compile(r"  # short: .*$", re.MULTILINE)
 
 

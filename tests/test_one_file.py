@@ -149,6 +149,7 @@ KINDS = {
     "pool",
     "entry",
     "command",
+    "tutorial",
 }
 ROWS = re.findall(
     r"^\| \[([a-z ]+)\]\(#\S+\) \|.*\| (\S+) \|$", (ROOT / "CONTRIBUTING.md").read_text("utf-8"), re.MULTILINE

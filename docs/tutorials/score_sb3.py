@@ -104,6 +104,7 @@ for partner, points in sorted(scored.scores.with_partners(facts), key=lambda pai
 #
 # - Watch the worst episode: `overcooked-bench replay scores/my-ppo-v1-lite --worst --page worst.html`. The folder
 #   `scores/my-ppo-v1-lite` also has `report.html`, with all numbers and plots.
-# - Ask why it fails: [Why an agent failed](../explaining.md).
+# - Ask why it fails: [a scenario from a failure you saw](scenario_from_failure.md).
+# - Train with many partners instead of one: [best response to a pool](best_response.md).
 # - One model is one agent. Five training runs say something about a method:
 #   [Submissions](../submissions.md) has the details.
