@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 def all_pages() -> Iterator[tuple[str, str]]:
     """Yields the path below `docs` and the text of every generated page."""
-    from docs.generate import commands, environments, kitchens, methods, partners
+    from docs.generate import commands, data, environments, kitchens, methods, partners
 
-    for module in (commands, environments, kitchens, methods, partners):
+    for module in (commands, data, environments, kitchens, methods, partners):
         yield from module.pages()
