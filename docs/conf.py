@@ -22,7 +22,7 @@ exclude_patterns = ["generate"]
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4
 default_role = "code"
-smartquotes = False
+smartquotes_action = "D"  # dashes alone
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"

@@ -64,6 +64,7 @@ def _value(action: argparse.Action) -> str:
 
 
 def _plain(text: str) -> str:
-    """Returns help as Markdown, in which a bar, a star and a bracket mean themselves."""
-    parts = re.split(r"(`[^`]*`)", " ".join(text.split()))
+    """Returns help as Markdown, in which options are code, and a bar, a star and a bracket mean themselves."""
+    coded = re.sub(r"(?<![`\w])(--[a-z][\w=-]*)", r"`\1`", " ".join(text.split()))
+    parts = re.split(r"(`[^`]*`)", coded)
     return "".join(part if part.startswith("`") else re.sub(r"([|*<\[_])", r"\\\1", part) for part in parts)
