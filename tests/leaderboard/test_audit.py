@@ -1,6 +1,14 @@
-"""The audit of a tiny result: it passes as it was written, and each kind of tampering is caught."""
+"""The audit of a tiny result: it passes as it was written, and each kind of tampering is caught.
+
+What is tampered with: every number, text and truth value of score.json, its rows, settings, schema and declined
+layouts; every column of the episodes (joint actions, points, soups, partners, seats, sides, start states, hashes,
+seeds), with and without checksums made to fit; every fact of the store (salt, seed, protocol, pool, partners, agent);
+episodes, partners and start states left out or exchanged; faults; consistent games that nobody played; games of another
+agent; the agent's code, weights, files and submission.yaml; the pool; and, in test_audit_records.py, audit.json itself.
+"""
 
 import contextlib
+import hashlib
 import json
 import shutil
 import sqlite3
@@ -11,15 +19,18 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from overcooked_bench.agents.submissions.content import hash_submission
 from overcooked_bench.cli import main
 from overcooked_bench.evaluation.games.episode import COLUMNS, checksum, pack_actions, read_row
 from overcooked_bench.evaluation.games.store import _digest
 from overcooked_bench.evaluation.protocol import read_protocol
-from overcooked_bench.evaluation.scores import EPISODES_FILE, SCORES_FILE
+from overcooked_bench.evaluation.scores import EPISODES_FILE, SCORES_FILE, Source
 from overcooked_bench.evaluation.summary import recompute
 from overcooked_bench.leaderboard.audit.audit import audit, withdraw
+from overcooked_bench.leaderboard.audit.claims import claims_of
 from overcooked_bench.leaderboard.audit.records import AuditError, read_audit
 from overcooked_bench.leaderboard.audit.terminal import audit_tables
+from overcooked_bench.leaderboard.submission.manifest import MANIFEST
 from tests.evaluation.made import SCRIPTED_POOL, protocol_text, score
 from tests.leaderboard.made import write_submission
 
@@ -314,6 +325,72 @@ def test_actions_of_another_agent_are_caught_by_the_agent(made, tmp_path):
     assert {"the agent acts as recorded", "cells played again"} <= failed(audit(folder, AGENT))
 
 
+# Tampering with files beside them: the agent, its submission.yaml, the pool, and the protocol.
+
+
+def edited(file, old, new):
+    """Replaces a text in a file."""
+    text = file.read_text()
+    assert old in text
+    file.write_text(text.replace(old, new))
+
+
+CLAIMS = {
+    "nothing": ((), (), "passed"),
+    "the agent's": (("licence: MIT", "licence: ISC"), (), "failed"),
+    "the result's": ((), ("human_data: false", "human_data: true"), "failed"),
+    "both, and no longer the score's": (("training_seeds: 1", "training_seeds: 2"),) * 2 + ("failed",),
+    "the pledge": ((), ("pledge: true", "pledge: false"), "failed"),
+}
+
+
+@pytest.mark.parametrize(("ours", "beside", "verdict"), CLAIMS.values(), ids=CLAIMS.keys())
+def test_a_changed_submission_yaml_is_caught(ours, beside, verdict, result, tmp_path):
+    folder = write_submission(tmp_path / "mine")
+    shutil.copy(folder / MANIFEST, result)
+    for place, change in ((folder, ours), (result, beside)):
+        if change:
+            edited(place / MANIFEST, *change)
+    assert [check.verdict for check in claims_of(result, str(folder), recompute(result)).checks] == [verdict]
+
+
+FILES = {
+    "the weights": lambda folder: np.savez(folder / "weights-0.npz", weight=np.zeros((96, 6)), bias=np.ones(6)),
+    "the code": lambda folder: (folder / "agent.py").open("a").write("# else\n"),
+    "submission.yaml": lambda folder: edited(folder / MANIFEST, "licence: MIT", "licence: ISC"),
+    "a file more": lambda folder: (folder / "more.txt").write_text("more"),
+}
+
+
+@pytest.mark.parametrize("change", FILES.values(), ids=FILES.keys())
+def test_a_changed_file_of_an_agent_changes_its_hash_which_the_audit_compares(change, tmp_path):
+    folder = write_submission(tmp_path / "mine")
+    before = hash_submission(folder)
+    change(folder)
+    assert hash_submission(folder) != before
+
+
+def test_a_changed_pool_is_caught(result, tmp_path):
+    pool = shutil.copytree(SCRIPTED_POOL, tmp_path / "pool")
+    assert failed(audit(result, pool=pool)) == set()
+    edited(pool / "manifest.json", '"role": "floor"', '"role": "partner"')
+    assert {"pool", "cells"} <= failed(audit(result, pool=pool))
+
+
+def test_the_pools_that_a_submission_names_decide_its_table(made, tmp_path):
+    """Also where only the result's folder says it, as in a reported result."""
+    scores = msgspec.structs.replace(recompute(made), pool=Source("v1", "0" * 64))
+    folder = write_submission(tmp_path / "mine")
+    (beside := tmp_path / "result").mkdir()
+    for pools, used in (("[]", False), ("[train-v1]", False), ("[dev-v1, v1]", True)):
+        for key in ("training_pools", "selection_pools"):
+            text = (folder / MANIFEST).read_text().replace(f"{key}: []", f"{key}: {pools}")
+            (beside / MANIFEST).write_text(text)
+            claims = claims_of(beside, None, scores)
+            assert (claims.used_pool, claims.checks[0].verdict) == (used, "passed")
+            assert claims.sha256 == hashlib.sha256(text.encode()).hexdigest()
+
+
 @pytest.mark.slow
 def test_a_packed_submission_is_audited_in_isolation(tmp_path, capsys):
     """From the template to a standing, by the commands; it trained with no pool."""
@@ -329,3 +406,6 @@ def test_a_packed_submission_is_audited_in_isolation(tmp_path, capsys):
     found = read_audit(tmp_path / "result")
     assert (found.status, found.table, found.used_pool, found.official) == ("reproduced", "main", False, True)
     assert "secret salt" in capsys.readouterr().out
+    np.savez(tmp_path / "mine" / "weights-0.npz", weight=np.zeros((96, 6)), bias=np.ones(6))
+    assert main(["leaderboard", "audit", str(tmp_path / "result"), "--agent", str(folder), *where]) == 1
+    assert failed(read_audit(tmp_path / "result")) == {"the agent"}

@@ -8,7 +8,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from overcooked_bench.agents.entries import load_entry, shipped_entries
 from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.documents import read_json
 from overcooked_bench.errors import WrongUse
@@ -21,6 +20,7 @@ from overcooked_bench.evaluation.scores import SCHEMA as NEWEST_SCORES
 from overcooked_bench.evaluation.summary import recompute
 from overcooked_bench.files import shown
 from overcooked_bench.leaderboard.audit import flags
+from overcooked_bench.leaderboard.audit.claims import claims_of
 from overcooked_bench.leaderboard.audit.numbers import differences
 from overcooked_bench.leaderboard.audit.origins import (
     cell_problems,
@@ -39,7 +39,6 @@ from overcooked_bench.leaderboard.audit.records import (
     Withdrawal,
     read_audit,
 )
-from overcooked_bench.leaderboard.submission.manifest import MANIFEST, load_manifest
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.isolation.settings import How
@@ -87,6 +86,7 @@ def audit(
     except ScoresError as error:
         raise AuditError(f"{error}; there is nothing to audit") from error
     wanted = Wanted(agent, everything, isolate, act_timeout, workers, seed)
+    claims = claims_of(folder, agent, scores)
     checks, flagged, cells, played = _checked(folder, scores, pool, wanted)
     found = Audit(
         schema=SCHEMA,
@@ -102,11 +102,12 @@ def audit(
         seed=seed,
         cells=cells,
         played=played,
-        used_pool=_used_pool(agent, scores),
+        used_pool=claims.used_pool,
         unranked=scores.unranked,
-        checks=tuple(checks),
+        checks=(*claims.checks, *checks),
         flags=tuple(flagged),
         withdrawn=kept,
+        manifest_sha256=claims.sha256,
     )
     found.write(folder / AUDIT_FILE)
     return found
@@ -229,18 +230,6 @@ def _load_pool(store: Store, rules: Protocol, instead: str | Path | None) -> Poo
     if source is None:
         raise AuditError("the protocol names no pool; name the one that was played with, with --pool")
     return Pool.load(source)
-
-
-def _used_pool(agent: str | None, scores: Scores) -> bool | None:
-    """Returns whether an agent was trained or selected with the pool; None if neither it nor its entry says."""
-    if agent is None or scores.pool is None:
-        return None
-    if agent in shipped_entries():
-        pool = scores.pool.name
-        trained = [entry.training for runs in load_entry(agent).runs.values() for entry in runs]
-        return any(pool in (one.settings.get("partners") or ()) for one in trained if one is not None)
-    file = Path(agent, MANIFEST)
-    return load_manifest(file).used(scores.pool.name) if file.is_file() else None
 
 
 def _withdrawal(folder: Path) -> Withdrawal | None:

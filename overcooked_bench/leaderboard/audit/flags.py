@@ -3,13 +3,17 @@
 Axes: N rows (cells times partners), S training seeds.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
+from overcooked_bench.agents.catalogue import find
+from overcooked_bench.agents.entries import load_entry, shipped_entries
+from overcooked_bench.agents.seated import Seated
 from overcooked_bench.estimate import t_interval
 from overcooked_bench.evaluation.games.block import Block
 from overcooked_bench.evaluation.games.episode import BlockKey, Episode
@@ -39,15 +43,61 @@ def similar_partners(block: Block, episodes: Sequence[Episode]) -> Iterator[Flag
     """
     pool, play = pool_as_hashed(block.pool, block.pool_sha256), block.protocol.play
     partners = [one for one in roster(pool, block.layout, play.per_stratum) if one.kind != FLOOR]
+
+    def seated(who: NDArray[np.int64], seats: NDArray[np.int64]) -> list[Seated]:
+        return seat_partners(partners, who, seats, pool, "greedy", block.layout)
+
+    yield from _similar(block, episodes, [f"partner {one.name}" for one in partners], seated)
+
+
+def similar_entries(block: Block, episodes: Sequence[Episode]) -> Iterator[Flag]:
+    """Yields the training runs of shipped entries whose likeliest actions are the scored agent's, likewise.
+
+    The scored agent itself is left out, and so are entries of another cooking mode.
+
+    Args:
+        block: One block.
+        episodes: Its recorded episodes, of which a few are looked at.
+    """
+    names, agents = [], []
+    for entry in shipped_entries():
+        loaded, found = load_entry(entry), find(entry, mode="greedy")
+        if found.sha256 != block.agent_sha256 and loaded.pool.cooking == block.protocol.play.cooking:
+            for run in range(len(loaded.runs.get(block.layout, ()))):
+                names.append(f"entry {entry}, training run {run},")
+                agents.append(found.make(block.layout, run))
+
+    def seated(who: NDArray[np.int64], seats: NDArray[np.int64]) -> list[Seated]:
+        rows = [np.flatnonzero(who == number) for number in range(len(agents))]
+        return [Seated(agent, name, own, seats[own]) for agent, name, own in zip(agents, names, rows, strict=True)]
+
+    yield from _similar(block, episodes, names, seated)
+
+
+def _similar(
+    block: Block,
+    episodes: Sequence[Episode],
+    names: Sequence[str],
+    seated: Callable[[NDArray[np.int64], NDArray[np.int64]], Sequence[Seated]],
+) -> Iterator[Flag]:
+    """Yields those of some agents that act as recorded on the scored agent's seat.
+
+    Args:
+        block: One block.
+        episodes: Its recorded episodes.
+        names: Of K agents.
+        seated: Seats agents, by (N,) number and (N,) seat.
+    """
     cells = [episode for episode in episodes if episode.kind not in (FLOOR, SELF)][:_FEW]
-    rows = [cell for _ in partners for cell in cells]
-    who, seats = np.repeat(np.arange(len(partners)), len(cells)), np.array([cell.seat for cell in rows])
-    parties = seat_partners(partners, who, seats, pool, "greedy", block.layout)
-    same = follow(block, rows, parties)[np.arange(len(rows)), seats].reshape(len(partners), len(cells))
-    shares = same.mean(axis=1) / play.horizon
-    for partner, share in zip(partners, shares.tolist(), strict=True):
+    if not (names and cells):
+        return
+    rows = [cell for _ in names for cell in cells]
+    who, seats = np.repeat(np.arange(len(names)), len(cells)), np.array([cell.seat for cell in rows])
+    same = follow(block, rows, seated(who, seats))[np.arange(len(rows)), seats].reshape(len(names), len(cells))
+    shares = same.mean(axis=1) / block.protocol.play.horizon
+    for name, share in zip(names, shares.tolist(), strict=True):
         if share >= SIMILAR:
-            said = f"acts as partner {partner.name} would in {share:.0%} of steps (training seed {block.training_seed})"
+            said = f"acts as {name} would in {share:.0%} of steps (training seed {block.training_seed})"
             yield Flag("similarity", said, block.layout, share)
 
 

@@ -113,7 +113,12 @@ def play_checks(store: Store, scores: Scores, rules: Protocol, pool: Pool, wante
     checks = [_partners(drawn, found)]
     some = flags.one_of_each(whole)
     seen = recorded(store, [block.keys[0] for block in some])
-    flagged = [flag for block in some for flag in flags.similar_partners(block, seen[block.keys[0]])]
+    flagged = [
+        flag
+        for block in some
+        for similar in (flags.similar_partners, flags.similar_entries)
+        for flag in similar(block, seen[block.keys[0]])
+    ]
     if wanted.agent is None:
         absent = "the agent was not given"
         checks += [Check(name, "not checked", absent) for name in (AGENT, ACTS, AGAIN)]

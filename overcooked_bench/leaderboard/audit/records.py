@@ -103,6 +103,7 @@ class Audit(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         checks: What was looked at.
         flags: What is unusual.
         withdrawn: Set once a result is taken back.
+        manifest_sha256: Hash of the submission.yaml that it was compared with; null if there was none.
     """
 
     schema: int
@@ -123,6 +124,7 @@ class Audit(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     checks: tuple[Check, ...]
     flags: tuple[Flag, ...] = ()
     withdrawn: Withdrawal | None = None
+    manifest_sha256: str | None = None
 
     @property
     def sound(self) -> bool:

@@ -164,6 +164,9 @@ def read_entry(folder: Path) -> Entry:
     content = read_regular(folder / SCORES_FILE, _MOST_BYTES, raises=EntryError)
     if audit is not None and audit.score_sha256 != hashlib.sha256(content).hexdigest():
         raise EntryError(f"{AUDIT_FILE} is of another {SCORES_FILE}; audit it again")
+    said = read_regular(folder / MANIFEST, _MOST_BYTES, raises=EntryError)
+    if audit is not None and audit.manifest_sha256 not in (None, hashlib.sha256(said).hexdigest()):
+        raise EntryError(f"{AUDIT_FILE} is of another {MANIFEST}; audit it again")
     return Entry(folder.name, scores, manifest, audit, folder)
 
 
