@@ -1,8 +1,9 @@
-"""`overcooked-bench leaderboard`: audits results, takes them back, and builds the public page."""
+"""`overcooked-bench leaderboard`: audits results, takes them back, reviews new ones, and builds the public page."""
 
 import argparse
 from typing import Any
 
+from overcooked_bench.agents.isolation import HOWS
 from overcooked_bench.commands.common import (
     add_act_timeout,
     add_command,
@@ -22,7 +23,7 @@ def add_leaderboard(commands: Any) -> None:
     inner = add_group(
         commands,
         "leaderboard",
-        "audit results, take them back, and build the public page",
+        "audit results, take them back, review new ones, and build the public page",
         "overcooked-bench leaderboard audit scores/my_agent-v1 --agent my_agent.py",
     )
     parser = add_command(
@@ -69,6 +70,30 @@ def add_leaderboard(commands: Any) -> None:
     parser.add_argument("results", metavar="RESULTS", help=_RESULTS)
     parser = add_command(
         inner,
+        "review",
+        _review,
+        "review a pull request that adds an entry: its files, its submission and its result; exits with 1 if anything "
+        "has to be changed",
+        "overcooked-bench leaderboard review checkout --changes changes.txt --output review.json",
+    )
+    parser.add_argument("checkout", metavar="CHECKOUT", help="the repository with the pull request merged")
+    _add_changes(parser)
+    parser.add_argument("--output", metavar="FILE", required=True, help="the JSON to write, for `leaderboard comment`")
+    add_workers(parser)
+    parser.add_argument(
+        "--isolate", choices=HOWS, default="strict", help="how the submission is isolated (default: strict)"
+    )
+    parser = add_command(
+        inner,
+        "comment",
+        _comment,
+        "print a review as Markdown, beside the shipped references; nothing of the review is trusted",
+        "overcooked-bench leaderboard comment review.json --changes changes.txt > comment.md",
+    )
+    parser.add_argument("review", metavar="FILE", help="what `leaderboard review` wrote")
+    _add_changes(parser)
+    parser = add_command(
+        inner,
         "build",
         _build,
         "write the leaderboard as static pages that need nothing else, and as JSON and CSV",
@@ -76,6 +101,15 @@ def add_leaderboard(commands: Any) -> None:
     )
     parser.add_argument("results", metavar="RESULTS", help=_RESULTS)
     parser.add_argument("site", metavar="SITE", help="the folder to write, new or written by this command")
+
+
+def _add_changes(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--changes",
+        metavar="FILE",
+        required=True,
+        help="a line for each file that the pull request changes, as `git diff --name-status --no-renames` prints it",
+    )
 
 
 def _audit(options: argparse.Namespace) -> int:
@@ -116,6 +150,41 @@ def _add(options: argparse.Namespace) -> int:
 
     print(add(options.result, options.submission, options.results))
     return 0
+
+
+def _review(options: argparse.Namespace) -> int:
+    from pathlib import Path
+
+    import msgspec
+
+    from overcooked_bench.evaluation.games.engines import default_workers
+    from overcooked_bench.files import printable, write_whole
+    from overcooked_bench.leaderboard.review.reviewing import review
+
+    changes = _changes(options)
+    workers = options.workers or default_workers()
+    found = review(options.checkout, changes, isolate=options.isolate, workers=workers)
+    content = msgspec.json.format(msgspec.json.encode(found), indent=2).decode() + "\n"
+    write_whole(Path(options.output), content)
+    print(printable(content), end="")
+    return 0 if found.sound else 1
+
+
+def _comment(options: argparse.Namespace) -> int:
+    from overcooked_bench.files import read_regular
+    from overcooked_bench.leaderboard.review.changes import ReviewError
+    from overcooked_bench.leaderboard.review.comment import MOST_BYTES, comment_of
+
+    content = read_regular(options.review, MOST_BYTES, raises=ReviewError, follow_links=False)
+    print(comment_of(content, _changes(options)), end="")
+    return 0
+
+
+def _changes(options: argparse.Namespace) -> str:
+    from overcooked_bench.files import read_text
+    from overcooked_bench.leaderboard.review.changes import ReviewError
+
+    return read_text(options.changes, 1_000_000, raises=ReviewError)
 
 
 def _build(options: argparse.Namespace) -> int:

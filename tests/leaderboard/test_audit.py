@@ -356,7 +356,7 @@ def test_a_changed_submission_yaml_is_caught(ours, beside, verdict, result, tmp_
 
 FILES = {
     "the weights": lambda folder: np.savez(folder / "weights-0.npz", weight=np.zeros((96, 6)), bias=np.ones(6)),
-    "the code": lambda folder: (folder / "agent.py").open("a").write("# else\n"),
+    "the code": lambda folder: (folder / "agent.py").write_text((folder / "agent.py").read_text() + "# else\n"),
     "submission.yaml": lambda folder: edited(folder / MANIFEST, "licence: MIT", "licence: ISC"),
     "a file more": lambda folder: (folder / "more.txt").write_text("more"),
 }
@@ -373,8 +373,10 @@ def test_a_changed_file_of_an_agent_changes_its_hash_which_the_audit_compares(ch
 def test_a_changed_pool_is_caught(result, tmp_path):
     pool = shutil.copytree(SCRIPTED_POOL, tmp_path / "pool")
     assert failed(audit(result, pool=pool)) == set()
+    assert {"pool", "cells"} <= failed(audit(result, pool="dev-v0"))
     edited(pool / "manifest.json", '"role": "floor"', '"role": "partner"')
-    assert {"pool", "cells"} <= failed(audit(result, pool=pool))
+    with pytest.raises(AuditError, match=r"manifest\.json.*name the pool that was played with"):
+        audit(result, pool=pool)
 
 
 def test_the_pools_that_a_submission_names_decide_its_table(made, tmp_path):

@@ -74,7 +74,7 @@ def audit(
         The record; `Audit.sound` says whether nothing is wrong.
 
     Raises:
-        AuditError: There is no result to audit, or its audit.json is damaged.
+        AuditError: There is no result to audit, its audit.json is damaged, or the pool that is named is.
         AgentError: The agent cannot be loaded.
         IsolationError: It cannot be isolated as it should be.
     """
@@ -176,6 +176,8 @@ def _of_store(
     try:
         pool = _load_pool(store, rules, instead)
     except WrongUse as error:
+        if instead is not None:
+            raise AuditError(f"{error}; name the pool that was played with") from error
         checks += [Check(name, "not checked", f"no pool: {_line(error)}") for name in ("pool", "cells", AGAIN)]
         return checks, [], cells, 0
     checks.append(

@@ -22,7 +22,7 @@ class Claims(NamedTuple):
     Attributes:
         checks: One check, or none where there is no submission.yaml.
         used_pool: Whether it was trained or selected with the pool that scores it; None if nobody says.
-        sha256: Hash of the submission.yaml; None where there is none.
+        sha256: Hash of the submission.yaml; None if there is none.
     """
 
     checks: tuple[Check, ...] = ()

@@ -1,0 +1,1 @@
+"""Reviews what a pull request adds to the results."""
