@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.agents.submissions.content import hash_submission
 from overcooked_bench.cli import main
 from overcooked_bench.evaluation.games.episode import COLUMNS, checksum, pack_actions, read_row
@@ -377,6 +378,17 @@ def test_a_changed_pool_is_caught(result, tmp_path):
     edited(pool / "manifest.json", '"role": "floor"', '"role": "partner"')
     with pytest.raises(AuditError, match=r"manifest\.json.*name the pool that was played with"):
         audit(result, pool=pool)
+
+
+def test_a_result_with_another_pool_than_the_protocols_is_in_order_only_if_who_audits_names_it(tmp_path):
+    """So the hidden twin's maintainers audit; it carries the pool's hash and its partners, and is not ranked."""
+    rules = read_protocol(protocol_text(episodes=1, horizon=20, pool_sha256="0" * 64), "tiny.yaml")
+    played = score("hesitant", rules, pool=SCRIPTED_POOL, output=tmp_path / "result").scores
+    assert failed(audit(tmp_path / "result", pool=SCRIPTED_POOL)) == set()
+    assert failed(audit(tmp_path / "result")) == {"protocol"}
+    assert played.pool.sha256 == Pool.load(SCRIPTED_POOL).hash
+    assert "is not that of the protocol" in played.unranked
+    assert len(played.layouts[0].partners) == 2
 
 
 def test_the_pools_that_a_submission_names_decide_its_table(made, tmp_path):

@@ -96,7 +96,7 @@ def _pool(name: str) -> Pool:
     raise PoolError(
         f"{name!r} is no pool, entry or scripted agent (which the first name cannot be); {guess(name, known)}name a "
         f"folder with a manifest.json, or one of {', '.join(known)}. A submission is scored instead: overcooked-bench "
-        f"score {name} --protocol thesis --pool train-v1"
+        f"score {name} --protocol thesis --pool train-v1 --isolate"
     )
 
 

@@ -39,6 +39,7 @@ from overcooked_bench.leaderboard.audit.records import (
     Withdrawal,
     read_audit,
 )
+from overcooked_bench.leaderboard.hidden import hidden_pool
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.isolation.settings import How
@@ -159,7 +160,9 @@ def _of_store(
     checks.append(Check("episodes", "passed", f"checksums and form of {cells:,} episodes"))
     checks.append(
         _check(
-            "protocol", "its hash, the shipped one, what was declined", lambda: protocol_problems(store, scores, rules)
+            "protocol",
+            "its hash, the shipped one, what was declined",
+            lambda: protocol_problems(store, scores, rules, instead is not None),
         )
     )
     checks.append(
@@ -183,7 +186,7 @@ def _of_store(
     checks.append(
         _check(
             "pool",
-            f"its hash, and all that is said of its partners ({pool.name})",
+            f"its hash, and all that is said of its partners ({pool.name}{_secret(pool)})",
             lambda: partner_problems(store, pool, rules),
         )
     )
@@ -232,6 +235,13 @@ def _load_pool(store: Store, rules: Protocol, instead: str | Path | None) -> Poo
     if source is None:
         raise AuditError("the protocol names no pool; name the one that was played with, with --pool")
     return Pool.load(source)
+
+
+def _secret(pool: Pool) -> str:
+    hidden = hidden_pool(pool.hash)
+    return (
+        "" if hidden is None else f", the hidden twin of {hidden.twin_of} whose hash was published {hidden.published}"
+    )
 
 
 def _withdrawal(folder: Path) -> Withdrawal | None:

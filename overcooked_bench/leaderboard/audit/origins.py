@@ -29,13 +29,14 @@ _OURS: Final = ("is_ego", "home")
 Notes = dict[str, dict[str, PartnerLabel]]
 
 
-def protocol_problems(store: Store, scores: Scores, rules: Protocol) -> Iterator[str]:
+def protocol_problems(store: Store, scores: Scores, rules: Protocol, instead: bool) -> Iterator[str]:
     """Yields what is wrong with the protocol, the pool's hash and the salt that a store names.
 
     Args:
         store: The episodes.
         scores: Its score.json.
         rules: The protocol in the store.
+        instead: Whether who audits named the pool: then it may be another one than the protocol's, such as its twin.
     """
     facts = read_facts(store)
     if facts.protocol != rules.sha256:
@@ -47,7 +48,7 @@ def protocol_problems(store: Store, scores: Scores, rules: Protocol) -> Iterator
             for part in ("version", "play", "report")
             if getattr(rules, part) != getattr(shipped, part)
         )
-    if rules.play.pool_sha256 is not None and facts.pool != rules.play.pool_sha256:
+    if not instead and rules.play.pool_sha256 not in (None, facts.pool):
         yield f"the pool is {facts.pool}, the protocol means {rules.play.pool_sha256}"
     for one in scores.declined:
         if one.layout not in rules.play.layouts or any(layout == one.layout for layout, _, _ in store.blocks()):

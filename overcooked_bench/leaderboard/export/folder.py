@@ -103,7 +103,7 @@ def export(
         _check_folder(folder, converted.mode, stem)
     files = save_policy(stem, converted.architecture, converted.tensors, dtype=np.float32)
     if is_new:
-        note = f"null        # environment steps of one training seed over all layouts; this model counts {steps:,}"
+        note = f"null        # this model counts {steps:,};"
         observed = converted.architecture.observation
         write_whole(folder / MANIFEST, manifest_text(folder.name, method='""', joint_steps=note, observation=observed))
         write_whole(folder / ENTRY, agent)

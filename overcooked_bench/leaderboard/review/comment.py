@@ -27,7 +27,7 @@ def comment_of(content: bytes, changes: str) -> str:
         ReviewError: It is no review, or of another entry than the pull request adds.
     """
     try:
-        name = entry_of(changes)
+        name = entry_of(changes).name
     except ReviewError as error:  # then the review, too, may be by other code than ours
         return f"### Something has to be changed\n\n{_code(str(error))}\n"
     review = parse_json(content, "the review", Review, ReviewError)
@@ -51,7 +51,9 @@ def comment_of(content: bytes, changes: str) -> str:
 def _scores(review: Review) -> list[str]:
     """Returns the table of the entry beside the shipped references of its protocol."""
     assert review.protocol is not None
-    rows = [(_code(review.name), review.overall, str(review.training_seeds), review.status, review.table)]
+    rows: list[tuple[str, Estimate | None, str, str, str]] = [
+        (_code(review.name), review.overall, str(review.training_seeds), review.status, review.table)
+    ]
     for file in sorted(REFERENCES.glob("*.json")):
         if (one := read_scores(file)).protocol == review.protocol:
             rows.append((_code(one.agent.name), one.overall, str(one.training_seeds), "reference", "main"))

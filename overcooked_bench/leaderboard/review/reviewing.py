@@ -13,10 +13,10 @@ from overcooked_bench.evaluation.scores import Source, read_scores
 from overcooked_bench.files import read_regular, shown
 from overcooked_bench.leaderboard.audit.audit import audit
 from overcooked_bench.leaderboard.audit.records import Check, Flag, Status, Table
-from overcooked_bench.leaderboard.review.changes import RESULTS, ReviewError, entry_of, files_of
-from overcooked_bench.leaderboard.submission.archive import unpack
+from overcooked_bench.leaderboard.review.changes import RESULTS, Added, ReviewError, entry_of
+from overcooked_bench.leaderboard.submission.archive import SUFFIX, unpack
 from overcooked_bench.leaderboard.submission.check import check_submission
-from overcooked_bench.leaderboard.submission.manifest import load_manifest
+from overcooked_bench.leaderboard.submission.manifest import MANIFEST, load_manifest
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.isolation.settings import How
@@ -80,30 +80,31 @@ def review(
         IsolationError: Its agent cannot be isolated as it should be.
     """
     try:
-        name = entry_of(changes)
+        added = entry_of(changes)
     except ReviewError as error:
         return Review(schema=SCHEMA, name="", problems=(str(error),))
     with tempfile.TemporaryDirectory(prefix="review-") as home:
-        return _review(Path(checkout, RESULTS, name), name, Path(home, name), isolate, workers)
+        return _review(Path(checkout, RESULTS, added.name), added, Path(home, added.name), isolate, workers)
 
 
-def _review(source: Path, name: str, copy: Path, isolate: "How", workers: int) -> Review:
-    problems = _copy(source, name, copy)
-    if problems:
+def _review(source: Path, added: Added, copy: Path, isolate: "How", workers: int) -> Review:
+    name = added.name
+    if problems := _copy(source, added, copy):
         return Review(schema=SCHEMA, name=name, problems=problems)
-    manifest_file, packed = (copy / file for file in files_of(name)[2:])
     try:
-        if (said := load_manifest(manifest_file).name) != name:
-            problems = (f"{manifest_file.name}: `name` is {said!r}, and the folder is {name!r}",)
-        elif packed.exists():
-            problems = check_submission(packed).problems
+        manifest, scores, agent = load_manifest(copy / MANIFEST), read_scores(copy), None
+        if name != (meant := f"{manifest.name}-{scores.protocol.name}"):
+            problems = (f"the folder is {name!r}, and its name and protocol make {meant!r}",)
+        elif added.packed and added.packed != (file := f"{manifest.name}{SUFFIX}"):
+            problems = (f"the packed submission is {added.packed!r}, and its name makes {file!r}",)
+        elif added.packed:
+            problems = check_submission(copy / added.packed).problems
         if problems:
             return Review(schema=SCHEMA, name=name, problems=problems[:_MOST])
-        agent = None
-        if packed.exists():
-            unpack(packed, copy / "agent" / name)
-            agent = str(copy / "agent" / name)
-        found, scores = audit(copy, agent, isolate=isolate, workers=workers), read_scores(copy)
+        if added.packed:
+            agent = str(copy / "agent" / manifest.name)
+            unpack(copy / added.packed, agent)
+        found = audit(copy, agent, isolate=isolate, workers=workers)
     except IsolationError:
         raise
     except OvercookedBenchError as error:
@@ -121,14 +122,11 @@ def _review(source: Path, name: str, copy: Path, isolate: "How", workers: int) -
     )
 
 
-def _copy(source: Path, name: str, copy: Path) -> tuple[str, ...]:
-    """Copies the files of an entry, regular ones of these names only; returns what is wrong."""
+def _copy(source: Path, added: Added, copy: Path) -> tuple[str, ...]:
+    """Copies the files of an entry, regular ones only; returns what is wrong."""
     copy.mkdir()
-    *wanted, packed = files_of(name)
     problems = []
-    for file in (*wanted, packed):
-        if file == packed and not (source / file).exists() and not (source / file).is_symlink():
-            continue
+    for file in added.files:
         try:
             (copy / file).write_bytes(read_regular(source / file, _MOST_BYTES, raises=ReviewError, follow_links=False))
         except ReviewError as error:
