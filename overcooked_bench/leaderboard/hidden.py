@@ -1,4 +1,4 @@
-"""The hidden tier: pools whose hashes are published before anybody is scored with them, and whose weights come later."""
+"""The hidden tier: pools whose hashes are published before anybody is scored with them, and their weights later."""
 
 from importlib.resources import files
 from pathlib import Path
