@@ -11,7 +11,7 @@ LISTED = """pools:
     twin_of: v1
     sha256: {sha256}
     partners: 250
-    published: 2026-12-01
+    published: "2026-12-01"
     revealed: {revealed}
 """
 
@@ -36,7 +36,7 @@ def test_a_pool_is_found_by_its_hash(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [("a" * 64, "a" * 63), ("partners: 250", "partners: 0"), ("2026-12-01", "today"), ("    twin_of: v1\n", "")],
+    [("a" * 64, "a" * 63), ("partners: 250", "partners: 0"), ('"2026-12-01"', "today"), ("    twin_of: v1\n", "")],
 )
 def test_a_list_with_a_mistake_names_its_line(old, new, tmp_path):
     file = tmp_path / "hidden.yaml"
