@@ -23,7 +23,7 @@ class HiddenPool(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     Attributes:
         name: As its manifest says.
         twin_of: The shipped pool that was built from the same recipe.
-        sha256: Hash of the pool, which is that of its manifest.json.
+        sha256: Hash of the pool, as its manifest.json says it; covers the files of all agents.
         partners: Number of its agents over all layouts, floors included.
         published: The day on which the hash was published, YYYY-MM-DD.
         revealed: The day on which its weights were published; None as long as they are not.
