@@ -31,6 +31,7 @@ from overcooked_bench.leaderboard.audit.audit import audit, withdraw
 from overcooked_bench.leaderboard.audit.claims import claims_of
 from overcooked_bench.leaderboard.audit.records import AuditError, read_audit
 from overcooked_bench.leaderboard.audit.terminal import audit_tables
+from overcooked_bench.leaderboard.review.reviewing import review
 from overcooked_bench.leaderboard.submission.manifest import MANIFEST
 from tests.evaluation.made import SCRIPTED_POOL, protocol_text, score
 from tests.leaderboard.made import write_submission
@@ -382,7 +383,7 @@ def test_a_changed_pool_is_caught(result, tmp_path):
 
 def test_a_result_with_another_pool_than_the_protocols_is_in_order_only_if_who_audits_names_it(tmp_path):
     """So the hidden twin's maintainers audit; it carries the pool's hash and its partners, and is not ranked."""
-    rules = read_protocol(protocol_text(episodes=1, horizon=20, pool_sha256="0" * 64), "tiny.yaml")
+    rules = read_protocol(protocol_text(episodes=1, horizon=20, pool_sha256="a" * 64), "tiny.yaml")
     played = score("hesitant", rules, pool=SCRIPTED_POOL, output=tmp_path / "result").scores
     assert failed(audit(tmp_path / "result", pool=SCRIPTED_POOL)) == set()
     assert failed(audit(tmp_path / "result")) == {"protocol"}
@@ -420,6 +421,14 @@ def test_a_packed_submission_is_audited_in_isolation(tmp_path, capsys):
     found = read_audit(tmp_path / "result")
     assert (found.status, found.table, found.used_pool, found.official) == ("reproduced", "main", False, True)
     assert "secret salt" in capsys.readouterr().out
+    entry = tmp_path / "results" / "mine-tiny"
+    entry.mkdir(parents=True)
+    for file in (tmp_path / "result" / SCORES_FILE, tmp_path / "result" / EPISODES_FILE, folder / MANIFEST, packed):
+        shutil.copy(file, entry)
+    reviewed = review(
+        tmp_path, "".join(f"A\tresults/mine-tiny/{file.name}\n" for file in entry.iterdir()), isolate="best"
+    )
+    assert (reviewed.problems, reviewed.sound, reviewed.status) == ((), True, "reproduced")
     np.savez(tmp_path / "mine" / "weights-0.npz", weight=np.zeros((96, 6)), bias=np.ones(6))
     assert main(["leaderboard", "audit", str(tmp_path / "result"), "--agent", str(folder), *where]) == 1
     assert failed(read_audit(tmp_path / "result")) == {"the agent"}
