@@ -65,6 +65,11 @@ def _value(action: argparse.Action) -> str:
 
 def _plain(text: str) -> str:
     """Returns help as Markdown, in which options are code, and a bar, a star and a bracket mean themselves."""
-    coded = re.sub(r"(?<![`\w])(--[a-z][\w=-]*)", r"`\1`", " ".join(text.split()))
-    parts = re.split(r"(`[^`]*`)", coded)
-    return "".join(part if part.startswith("`") else re.sub(r"([|*<\[_])", r"\\\1", part) for part in parts)
+    parts = re.split(r"(`[^`]*`|(?<!\w)--[a-z][\w=-]*)", " ".join(text.split()))
+    return "".join(_part(part) for part in parts)
+
+
+def _part(part: str) -> str:
+    if part.startswith("--"):
+        return f"`{part}`"
+    return part if part.startswith("`") else re.sub(r"([|*<\[_])", r"\\\1", part)

@@ -9,21 +9,12 @@ from docs.generate.measured import LayoutNumbers, reached, standings
 from overcooked_bench.agents.pools.manifest import read_manifest
 from overcooked_bench.agents.pools.pool import find_pool, shipped_pools
 from overcooked_bench.envs.registration import env_id
-from overcooked_bench.kitchen.codes import TILE_NAMES
+from overcooked_bench.kitchen.codes import RECIPES, TILE_NAMES, Recipe
 from overcooked_bench.kitchen.kitchens import Kitchens
-from overcooked_bench.kitchen.layout import CLASSIC, Layout, layout_names
+from overcooked_bench.kitchen.layout import Layout, layout_names
 from overcooked_bench.rendering.picture import draw
 from overcooked_bench.rendering.table import Column, Table
 from overcooked_bench.scenarios.items import load_scenarios
-
-NAMES_OF_2019: Final = {
-    "cramped_room": "simple",
-    "asymmetric_advantages": "unident_s",
-    "coordination_ring": "random1",
-    "forced_coordination": "random0",
-    "counter_circuit": "random3",
-}
-"""Names in the code of Carroll et al. 2019."""
 
 CHALLENGE: Final = {
     "cramped_room": "Both chefs can do everything, and get into each other's way.",
@@ -33,6 +24,18 @@ CHALLENGE: Final = {
     "counter_circuit": "The way around is long; the middle counters are a shorter way for two that use them together.",
     "bottleneck": "A corridor of one cell is between the ingredients and the pots.",
 }
+"""What is hard about a layout; a new one needs no line here."""
+
+_CARROLL: Final = "One of the five kitchens of Carroll et al. 2019, whose code calls it `{}`; the grid is the same."
+ORIGINS: Final = {
+    "cramped_room": _CARROLL.format("simple"),
+    "asymmetric_advantages": _CARROLL.format("unident_s"),
+    "coordination_ring": _CARROLL.format("random1"),
+    "forced_coordination": _CARROLL.format("random0"),
+    "counter_circuit": _CARROLL.format("random3"),
+    "bottleneck": "The grid is that of overcooked_ai's layout of this name.",
+}
+"""Where a layout comes from, if it is not of this project."""
 
 _INDEX: Final = """# Kitchens
 
@@ -133,7 +136,7 @@ def _page(kitchen: Kitchen) -> str:
     layout, name = kitchen.layout, kitchen.layout.name
     return _PAGE.format(
         name=name,
-        challenge=CHALLENGE[name],
+        challenge=CHALLENGE.get(name, "A kitchen of two chefs."),
         width=48 * layout.width,
         grid=layout.text,
         env=env_id(name),
@@ -147,18 +150,26 @@ def _page(kitchen: Kitchen) -> str:
 
 def _rules(layout: Layout) -> str:
     tiles = [f"{len(found)} x {TILE_NAMES[letter]}" for letter in "POTDS" if (found := layout.positions(letter))]
-    (recipe,) = layout.orders
-    index = next(i for i, points in enumerate(layout.soup_rewards) if points > 0)
+    orders = [_order(layout, recipe) for recipe in layout.orders]
     return "\n".join(
         [
             f"- Tiles: {', '.join(tiles)}; {len(layout.positions(' '))} floor cells.",
-            f"- Order: a soup of {recipe[0]} onions, {layout.soup_rewards[index]:g} points.",
-            f'- Cooking takes {layout.cook_times[index]} steps. With `cooking="auto"`, the default, a pot starts by '
-            'itself at the third ingredient; with `"manual"`, an empty-handed interact starts it.',
+            f"- Orders: {'; '.join(orders)}.",
+            '- With `cooking="auto"`, the default, a pot starts by itself at the third ingredient; with `"manual"`, an '
+            "empty-handed interact starts it.",
             f"- Standard start cells, (x, y) from the top left: chef 0 {layout.start_cells[0]}, "
             f"chef 1 {layout.start_cells[1]}, both looking north. Scores use random start cells.",
         ]
     )
+
+
+def _order(layout: Layout, recipe: Recipe) -> str:
+    index = RECIPES.index(recipe)
+    named = [
+        f"{count} {what}{'s' * (count > 1)}" for count, what in zip(recipe, ("onion", "tomato"), strict=True) if count
+    ]
+    points, steps = layout.soup_rewards[index], layout.cook_times[index]
+    return f"a soup of {' and '.join(named)}, {points:g} points, cooked for {steps} steps"
 
 
 def _regions(layout: Layout) -> str:
@@ -228,10 +239,5 @@ def _history(name: str) -> str:
     pools = [pool for pool in shipped_pools() if any(e.layout == name for e in read_manifest(find_pool(pool)).entries)]
     first = f"- `{env_id(name)}`: first version. The dynamics of `-v0` never change."
     played = f"- Pools with partners for it: {', '.join(f'[{pool}](../partners/{pool}.md)' for pool in pools)}."
-    old = (
-        f"- One of the five kitchens of Carroll et al. 2019, whose code calls it `{NAMES_OF_2019[name]}`; the grid "
-        "is the same."
-        if name in CLASSIC
-        else "- The grid is that of overcooked_ai's layout of this name."
-    )
-    return "\n".join([old, first, *([played] if pools else [])])
+    origin = f"- {ORIGINS.get(name, 'A layout of this project.')}"
+    return "\n".join([origin, first, *([played] if pools else [])])

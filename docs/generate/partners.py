@@ -19,6 +19,7 @@ PURPOSES: Final = {
     "human-train": "People to train with: clones of recorded people, and proxies that learned to earn more.",
     "human-test": "People to be judged by (protocol `people`). **Never train, tune or select with it.**",
 }
+"""What a pool is for, in the order of the list; a new pool needs no line here."""
 
 _INDEX: Final = """# Partners
 
@@ -63,8 +64,9 @@ partners.
 def pages() -> Iterator[tuple[str, str]]:
     """Yields each page and its text."""
     manifests = [read_manifest(find_pool(name)) for name in shipped_pools()]
-    manifests.sort(key=lambda one: [*PURPOSES].index(one.name))
-    rows = [(f"[{one.name}]({one.name}.md)", PURPOSES[one.name], _counts(one), one.hash[:8]) for one in manifests]
+    known = [*PURPOSES]
+    manifests.sort(key=lambda one: known.index(one.name) if one.name in known else len(known))
+    rows = [(f"[{one.name}]({one.name}.md)", _purpose(one), _counts(one), one.hash[:8]) for one in manifests]
     columns = [Column(name, left=True) for name in ("pool", "what it is for", "partners", "hash")]
     names = "\n".join(one.name for one in manifests)
     yield "partners/index.md", _INDEX.format(table=Table(columns, rows).markdown(), pages=names)
@@ -75,7 +77,7 @@ def pages() -> Iterator[tuple[str, str]]:
 def _page(manifest: Manifest) -> str:
     text = _PAGE.format(
         name=manifest.name,
-        purpose=PURPOSES[manifest.name],
+        purpose=_purpose(manifest),
         counts=_counts(manifest) + ".",
         cooking=manifest.cooking,
         mode=manifest.mode,
@@ -86,6 +88,10 @@ def _page(manifest: Manifest) -> str:
         returns=_returns(manifest),
     )
     return "\n".join([text.rstrip(), *_conventions(manifest), *_bounds(manifest)]) + "\n"
+
+
+def _purpose(manifest: Manifest) -> str:
+    return PURPOSES.get(manifest.name, "A shipped pool.")
 
 
 def _layouts(manifest: Manifest) -> dict[str, list[Entry]]:
