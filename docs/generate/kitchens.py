@@ -107,7 +107,8 @@ class Kitchen(NamedTuple):
 def pages() -> Iterator[tuple[str, str]]:
     """Yields each page and its text."""
     kitchens = [Kitchen(Layout.load(name), reached(name)) for name in layout_names()]
-    columns = [Column("kitchen", left=True), "cells", "regions", "best known return", "separates agents"]
+    heads = ("cells", "regions", "best known return", "separates agents")
+    columns = [Column("kitchen", left=True), *map(Column, heads)]
     rows = [
         (
             f"[{layout.name}]({layout.name}.md)",

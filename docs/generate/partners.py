@@ -119,7 +119,7 @@ def _made(manifest: Manifest) -> str:
         for (name, stratum, made, sees), entries in groups.items()
     ]
     heads = ("partner", "stratum", "made by", "sees")
-    columns = [*(Column(head, left=True) for head in heads), "per layout", "steps, M"]
+    columns = [*(Column(head, left=True) for head in heads), Column("per layout"), Column("steps, M")]
     return Table(columns, rows).markdown()
 
 
@@ -180,7 +180,12 @@ def _bounds(manifest: Manifest) -> Iterator[str]:
         named = ", ".join(f"`{kind}` {count}" for kind, count in kinds.most_common(4))
         spans = _span([bound.floor for bound in bounds]), _span([bound.ceiling for bound in bounds])
         rows.append((layout, *spans, named))
-    columns = [Column("kitchen", left=True), "floor", "ceiling", Column("most frequent responders", left=True)]
+    columns = [
+        Column("kitchen", left=True),
+        Column("floor"),
+        Column("ceiling"),
+        Column("most frequent responders", left=True),
+    ]
     yield Table(columns, rows).markdown()
 
 
