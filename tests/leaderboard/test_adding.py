@@ -8,7 +8,8 @@ import pytest
 from overcooked_bench.cli import main
 from overcooked_bench.evaluation.protocol import read_protocol
 from overcooked_bench.evaluation.scores import read_scores
-from overcooked_bench.leaderboard.audit.audit import audit
+from overcooked_bench.leaderboard.audit.audit import audit, withdraw
+from overcooked_bench.leaderboard.audit.records import read_audit
 from overcooked_bench.leaderboard.site.adding import add
 from overcooked_bench.leaderboard.site.build import build
 from overcooked_bench.leaderboard.site.entries import EntryError
@@ -85,3 +86,19 @@ def test_an_entry_is_written_again_but_never_replaced_by_another_agent(made, ent
     with pytest.raises(EntryError, match="another agent has this name"):
         add(tmp_path / "other", made / "mine", tmp_path / "results")
     assert (entry / "score.json").read_bytes() == before
+
+
+def test_an_entry_that_was_withdrawn_is_never_restored_by_adding_it_again(made, entry, tmp_path):
+    withdraw(entry, "trained on its partners")
+    with pytest.raises(EntryError, match="was withdrawn, and stays so"):
+        add(made / "result", made / "mine", tmp_path / "results")
+    shutil.copytree(made / "result", tmp_path / "again")
+    withdraw(tmp_path / "again", "trained on its partners, too")
+    add(tmp_path / "again", made / "mine", tmp_path / "results")
+    assert read_audit(entry).withdrawn.reason == "trained on its partners, too"
+
+
+def test_no_audit_of_before_stays_with_a_result_that_nobody_audited(made, entry, tmp_path):
+    shutil.copytree(made / "result", tmp_path / "again", ignore=shutil.ignore_patterns("audit.json"))
+    add(tmp_path / "again", made / "mine", tmp_path / "results")
+    assert not (entry / "audit.json").exists()

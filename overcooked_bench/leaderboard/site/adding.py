@@ -7,7 +7,7 @@ from typing import Final
 from overcooked_bench.evaluation.explaining.records import EXPLAIN_FILE
 from overcooked_bench.evaluation.scores import SCORES_FILE, read_scores
 from overcooked_bench.files import check_name, read_regular, shown, write_whole
-from overcooked_bench.leaderboard.audit.records import AUDIT_FILE
+from overcooked_bench.leaderboard.audit.records import AUDIT_FILE, read_audit
 from overcooked_bench.leaderboard.site.entries import EntryError, read_entry
 from overcooked_bench.leaderboard.site.pages.entry import entry_page
 from overcooked_bench.leaderboard.site.worst import WORST_FILE, find_worst, write_worst
@@ -29,7 +29,8 @@ def add(result: str | Path, submission: str | Path, results: str | Path) -> Path
         The entry's folder.
 
     Raises:
-        WrongUse: Something cannot be read, does not fit the rest, or there is an entry of another agent of that name.
+        WrongUse: Something cannot be read, does not fit the rest, there is an entry of another agent of that name, or
+            the entry was withdrawn and the result was not.
     """
     source, home = Path(result), Path(results)
     scores, manifest = read_scores(source), load_manifest(Path(submission) / MANIFEST)
@@ -44,8 +45,18 @@ def add(result: str | Path, submission: str | Path, results: str | Path) -> Path
                 write_whole(stage / file, read_regular(source / file, _MOST_BYTES, raises=EntryError))
         write_whole(stage / MANIFEST, read_regular(Path(submission) / MANIFEST, _MOST_BYTES, raises=EntryError))
         write_worst(scores, find_worst(scores, source), stage / WORST_FILE)
-        entry_page(read_entry(stage), None)
+        entry = read_entry(stage)
+        entry_page(entry, None)
+        if entry.status != "withdrawn" and _is_withdrawn(home / name):
+            raise EntryError(f"{shown(home / name)}: was withdrawn, and stays so; withdraw the new result, too")
         (home / name).mkdir(parents=True, exist_ok=True)
-        for kept in sorted(stage.iterdir()):
-            write_whole(home / name / kept.name, kept.read_bytes())
+        for file in (*_KEPT, MANIFEST, WORST_FILE):
+            if (stage / file).exists():
+                write_whole(home / name / file, (stage / file).read_bytes())
+            else:
+                (home / name / file).unlink(missing_ok=True)
     return home / name
+
+
+def _is_withdrawn(folder: Path) -> bool:
+    return (folder / AUDIT_FILE).exists() and read_audit(folder).status == "withdrawn"
