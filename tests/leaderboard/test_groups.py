@@ -37,6 +37,13 @@ def test_many_methods_are_separated_by_t_and_have_places_only():
     assert [mark.places for mark in found.marks.values()] == [str(place) for place in range(1, 14)]
 
 
+def test_one_method_of_many_seeds_does_not_leave_the_others_inseparable():
+    runs = {**methods(5), "longer": tuple(np.random.default_rng(1).normal(-1, 0.002, 10))}
+    found = separate(runs)
+    assert not found.permuted
+    assert found.separated == found.pairs == 15
+
+
 def test_seeds_that_agree_by_luck_separate_no_method_from_its_neighbours():
     runs = methods(20, apart=0, spread=0.05)
     level = float(np.mean([np.mean(one) for one in runs.values()]))

@@ -70,15 +70,16 @@ def separate(runs: Mapping[str, Sequence[float]]) -> Groups:
     """Tests every two methods over training seeds, adjusted by Holm for all pairs.
 
     The permutation test, which assumes no shape of the distribution, has a smallest p: .008 with five seeds. Of more
-    than four methods it could not separate two, however far apart they are. Then Welch's t is used, which assumes what
-    the intervals of the page assume, that scores of training seeds are normally distributed.
+    than four methods it could not separate two, however far apart they are; the fewest seeds decide for all pairs.
+    Then Welch's t is used, which assumes what the intervals of the page assume, that scores of training seeds are
+    normally distributed.
 
     Args:
         runs: Method -> the score of each of its training seeds, two or more; the method with the highest score first.
     """
     names, pairs = _paired(runs)
     scores = [np.asarray(runs[name], np.float64) for name in names]
-    permuted = smallest_p(max(map(len, scores), default=0)) * len(pairs) <= LEVEL
+    permuted = smallest_p(min(map(len, scores), default=0)) * len(pairs) <= LEVEL
     p = [_permuted(scores[one], scores[other]) for one, other in pairs] if permuted else _welch(scores, pairs)
     return _grouped(names, pairs, p, permuted)
 
