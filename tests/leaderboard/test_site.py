@@ -250,3 +250,14 @@ def test_a_layout_is_drawn_and_leads_to_its_own_order(site, opened):
     assert drawn > 5000
     link = page.get_by_role("link", name="All entries, sorted by this layout").get_attribute("href")
     assert link == "../index.html#layout=forced_coordination&sort=on-3%3Adown"
+
+
+def test_other_games_under_the_name_of_a_shipped_protocol_are_refused(tmp_path):
+    scores = read_scores(REFERENCES / "v1-lite.json")
+    settings = scores.settings
+    settings = msgspec.structs.replace(settings, play=msgspec.structs.replace(settings.play, horizon=100))
+    protocol = msgspec.structs.replace(scores.protocol, sha256=settings.sha256)
+    changed = msgspec.structs.replace(scores, settings=settings, protocol=protocol)
+    write_entry(tmp_path / "results", "shorter", scores=changed)
+    (refused,) = build(tmp_path / "results", tmp_path / "site").refused
+    assert "says v1-lite, but of other games" in refused.reason

@@ -195,6 +195,8 @@ def _check_games(scores: Scores) -> None:
         said = scores.protocol.name, report.headlines, report.ranked
         if said != (known.name, known.report.headlines, known.report.ranked):
             raise EntryError(f"{SCORES_FILE}: the games of {known.name}, but another name or other headlines")
+    elif scores.protocol.name in protocol_names():
+        raise EntryError(f"{SCORES_FILE}: says {scores.protocol.name}, but of other games; rename the protocol")
     row = scores.find(report.headline)
     if scores.overall is not None and (row is None or row.estimate != scores.overall):
         raise EntryError(f"{SCORES_FILE}: `overall` is not its own {report.headline}")
