@@ -34,7 +34,8 @@ def index_page(games: Sequence[Games], refused: int) -> str:
 _INTRODUCTION = (
     "Agents that cooperate with partners whom they have never met, on the classic kitchens; brackets hold 95 % "
     "intervals. Reproduced: every number was computed again and all games were played again by somebody else; "
-    "spot-checked: every number, and a random part of the games; reported: nothing. References ship with the package."
+    "spot-checked: every number, and a random part of the games; reported: nothing, or something was wrong. "
+    "References ship with the package."
 )
 
 

@@ -157,6 +157,14 @@ def _text(value: float | None) -> str:
     return "-" if value is None else f"{value:.2f}"
 
 
+def _bin(index: int) -> str:
+    """Says which scores a bar counts; the outermost ones have no end."""
+    if index == 0:
+        return f"below {1 / _BINS:.2f}"
+    low = f"{index / _BINS:.2f}"
+    return f"{low} or above" if index == _BINS - 1 else f"{low} to {(index + 1) / _BINS:.2f}"
+
+
 def _bars(found: Discrimination, headline: str) -> str:
     """Draws how many entries have which score."""
     counts = [0] * _BINS
@@ -166,7 +174,7 @@ def _bars(found: Discrimination, headline: str) -> str:
     bars = "".join(
         f'<rect x="{index * wide + 1:g}" y="{_HIGH * (1 - count / top):.1f}" width="{wide - 2:g}" '
         f'height="{_HIGH * count / top:.1f}">'
-        f"<title>{index / _BINS:.2f} to {(index + 1) / _BINS:.2f}: {count}</title></rect>"
+        f"<title>{_bin(index)}: {count}</title></rect>"
         for index, count in enumerate(counts)
         if count
     )

@@ -17,10 +17,10 @@ from overcooked_bench.rendering.page import note
 
 _SHARE: Final = MetricFacts(name="scenarios", label="scenarios passed", unit="share", digits=0)
 _EXPLAINED: Final = {
-    "main": "Methods of five training seeds or more that never saw the pool, played again by somebody else.",
+    "main": "Five training seeds or more that say they never saw the pool; status says what was played again.",
     "agents": "One training run, or rules. Intervals and groups say nothing about training it once more.",
     "open": "Training or selection saw the partners that score it: no evidence on cooperation with strangers.",
-    "unranked": "The column remark says why. What is reported only was never played again by anybody else.",
+    "unranked": "The column remark says why. Of what is reported only, nobody could play the same games again.",
 }
 
 
@@ -73,7 +73,8 @@ def _groups(board: Board) -> str:
     said = f"{groups.separated:,} of {groups.pairs:,} pairs are separated, by {test} over {units}, "
     said += "adjusted by Holm for all pairs. "
     if not groups.permuted:
-        said += "A permutation test could not separate any two of so many; t assumes normally distributed scores. "
+        means = "differences" if agents else "scores"
+        said += f"A permutation test could not separate any two of so many; t assumes normally distributed {means}. "
     if count <= MOST_LETTERS:
         said += "Rows that share a letter of the column group are not separated. "
     return said + "Places: the highest and the lowest that a row can have, given what is separated."
