@@ -23,9 +23,9 @@ def made(tmp_path_factory):
     """A folder with an audited result and the submission that it is said to be of."""
     home = tmp_path_factory.mktemp("adding")
     rules = read_protocol(protocol_text(episodes=2, layouts=["cramped_room"], horizon=60), "tiny.yaml")
-    score("hesitant", reporting(rules, headlines=("mean",), metrics=("mean", "curve")), output=home / "result")
-    audit(home / "result", "hesitant", everything=True)
-    write_submission(home / "mine")
+    mine = str(write_submission(home / "mine"))
+    score(mine, reporting(rules, headlines=("mean",), metrics=("mean", "curve")), output=home / "result")
+    audit(home / "result", mine, everything=True)
     assert main(["leaderboard", "add", str(home / "result"), str(home / "mine"), str(home / "results")]) == 0
     return home
 
@@ -86,6 +86,13 @@ def test_an_entry_is_written_again_but_never_replaced_by_another_agent(made, ent
     with pytest.raises(EntryError, match="another agent has this name"):
         add(tmp_path / "other", made / "mine", tmp_path / "results")
     assert (entry / "score.json").read_bytes() == before
+
+
+def test_a_submission_that_was_changed_after_its_score_is_not_added(made, tmp_path):
+    shutil.copytree(made / "mine", tmp_path / "mine")
+    edit(tmp_path / "mine" / "submission.yaml", {"human_data: false": "human_data: true"})
+    with pytest.raises(EntryError, match="not the files that were scored"):
+        add(made / "result", tmp_path / "mine", tmp_path / "results")
 
 
 def test_an_entry_that_was_withdrawn_is_never_restored_by_adding_it_again(made, entry, tmp_path):

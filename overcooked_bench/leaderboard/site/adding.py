@@ -4,6 +4,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
+from overcooked_bench.agents.submissions.content import hash_submission
 from overcooked_bench.evaluation.explaining.records import EXPLAIN_FILE
 from overcooked_bench.evaluation.scores import SCORES_FILE, read_scores
 from overcooked_bench.files import check_name, read_regular, shown, write_whole
@@ -22,21 +23,23 @@ def add(result: str | Path, submission: str | Path, results: str | Path) -> Path
 
     Args:
         result: The folder of a score, with audit.json if it was audited.
-        submission: The folder of the submission, with its submission.yaml.
+        submission: The folder that was scored, with its submission.yaml.
         results: The folder that holds one folder for each entry.
 
     Returns:
         The entry's folder.
 
     Raises:
-        WrongUse: Something cannot be read, does not fit the rest, there is an entry of another agent of that name, or
-            the entry was withdrawn and the result was not.
+        WrongUse: Something cannot be read or does not fit the rest, the submission is not what was scored, there is an
+            entry of another agent of that name, or the entry was withdrawn and the result was not.
     """
     source, home = Path(result), Path(results)
     scores, manifest = read_scores(source), load_manifest(Path(submission) / MANIFEST)
     name = check_name(f"{manifest.name}-{scores.protocol.name}", "the entry's name", EntryError)
     if (home / name / SCORES_FILE).is_file() and read_scores(home / name).agent.sha256 != scores.agent.sha256:
         raise EntryError(f"{shown(home / name)}: another agent has this name, and stays; give the new one another name")
+    if hash_submission(submission) != scores.agent.sha256:
+        raise EntryError(f"{shown(submission)}: not the files that were scored; score and audit them as they are")
     with TemporaryDirectory() as place:
         stage = Path(place, name)
         stage.mkdir()
