@@ -74,11 +74,11 @@ def add_leaderboard(commands: Any) -> None:
         _review,
         "review a pull request that adds an entry: its files, its submission and its result; exits with 1 if anything "
         "has to be changed",
-        "overcooked-bench leaderboard review checkout --changes changes.txt --output review.json",
+        "overcooked-bench leaderboard review checkout review.json --changes changes.txt",
     )
     parser.add_argument("checkout", metavar="CHECKOUT", help="the repository with the pull request merged")
+    parser.add_argument("review", metavar="FILE", help="the JSON to write, for `leaderboard comment`")
     _add_changes(parser)
-    parser.add_argument("--output", metavar="FILE", required=True, help="the JSON to write, for `leaderboard comment`")
     add_workers(parser)
     parser.add_argument(
         "--isolate", choices=HOWS, default="strict", help="how the submission is isolated (default: strict)"
@@ -88,7 +88,7 @@ def add_leaderboard(commands: Any) -> None:
         "comment",
         _comment,
         "print a review as Markdown, beside the shipped references; nothing of the review is trusted",
-        "overcooked-bench leaderboard comment review.json --changes changes.txt > comment.md",
+        "overcooked-bench leaderboard comment review.json --changes changes.txt",
     )
     parser.add_argument("review", metavar="FILE", help="what `leaderboard review` wrote")
     _add_changes(parser)
@@ -165,7 +165,7 @@ def _review(options: argparse.Namespace) -> int:
     workers = options.workers or default_workers()
     found = review(options.checkout, changes, isolate=options.isolate, workers=workers)
     content = msgspec.json.format(msgspec.json.encode(found), indent=2).decode() + "\n"
-    write_whole(Path(options.output), content)
+    write_whole(Path(options.review), content)
     print(printable(content), end="")
     return 0 if found.sound else 1
 

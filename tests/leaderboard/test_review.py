@@ -80,7 +80,7 @@ def checkout(merged, tmp_path):
 def test_an_entry_without_its_agent_is_reported(checkout, tmp_path, capsys):
     (tmp_path / "changes.txt").write_text(UNPACKED)
     where = ["--changes", str(tmp_path / "changes.txt")]
-    assert main(["leaderboard", "review", str(checkout), *where, "--output", str(tmp_path / "review.json")]) == 0
+    assert main(["leaderboard", "review", str(checkout), str(tmp_path / "review.json"), *where]) == 0
     capsys.readouterr()
     assert main(["leaderboard", "comment", str(tmp_path / "review.json"), *where]) == 0
     said = capsys.readouterr().out
