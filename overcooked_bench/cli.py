@@ -17,6 +17,7 @@ from overcooked_bench.commands.export import add_export
 from overcooked_bench.commands.games.group import add_games
 from overcooked_bench.commands.leaderboard import add_leaderboard
 from overcooked_bench.commands.listing import add_list
+from overcooked_bench.commands.play import add_play
 from overcooked_bench.commands.pool import add_pool
 from overcooked_bench.commands.replay import add_replay
 from overcooked_bench.commands.report import add_report
@@ -30,7 +31,7 @@ from overcooked_bench.processes import sigterm_as_ctrl_c
 
 COMMANDS: Final[list[Callable[[Any], None]]] = [
     *(add_score, add_report, add_compare, add_explain, add_replay, add_crossplay, add_scenarios),
-    *(add_train, add_pool, add_games, add_export, add_submission, add_leaderboard, add_list),
+    *(add_train, add_pool, add_games, add_play, add_export, add_submission, add_leaderboard, add_list),
 ]
 """What declares each command, in the order of `--help`."""
 

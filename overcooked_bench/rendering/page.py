@@ -44,17 +44,18 @@ POLICY: Final = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsa
 """What a browser lets a page do: nothing but to show what is in its file, whatever names it shows say."""
 
 
-def page(title: str, body: Iterable[str], style: str = "") -> str:
+def page(title: str, body: Iterable[str], style: str = "", policy: str = POLICY) -> str:
     """Writes a page.
 
     Args:
         title: Its title, as text.
         body: Its parts, as HTML.
         style: CSS besides `STYLE`.
+        policy: What a browser lets the page do.
     """
     return (
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>\n'
-        f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
         f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<style>{STYLE}{style}</style></head>\n'
         "<body><main>\n" + "\n".join(body) + "\n</main></body></html>\n"
     )

@@ -27,7 +27,7 @@ def pack_game(layout: Layout, frames: Iterable[Frame], names: tuple[str, str], t
         names: Names of the chefs on seats 0 and 1.
         title: Which game this is, for screen readers.
     """
-    packed = [_frame(layout, frame) for frame in frames]
+    packed = [pack_frame(layout, frame) for frame in frames]
     return {"title": title, "grid": list(layout.rows), "names": list(names), "frames": packed}
 
 
@@ -53,7 +53,8 @@ def save_page(file: str | Path, layout: Layout, frames: Iterable[Frame], names: 
     write_whole(file, page(title, [f"<h1>{escape(title)}</h1>", player(game), script()]))
 
 
-def _frame(layout: Layout, frame: Frame) -> list[Any]:
+def pack_frame(layout: Layout, frame: Frame) -> list[Any]:
+    """Returns one frame as `kitchen.js` takes it."""
     state, points = frame
     chefs = [[*chef.position, FACINGS.index(chef.facing), _thing(layout, chef.holding, False)] for chef in state.chefs]
     things = [

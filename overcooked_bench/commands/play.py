@@ -1,0 +1,66 @@
+"""`overcooked-bench play`: people play with agents, or with each other, in a browser."""
+
+import argparse
+import sys
+from typing import Any
+
+from overcooked_bench.commands.common import add_act_timeout, add_command, add_isolate, add_layouts, positive, whole
+
+
+def add_play(commands: Any) -> None:
+    """Declares the command."""
+    parser = add_command(
+        commands,
+        "play",
+        _play,
+        "play with an agent, or with another person, in a browser; games of people who agree are kept",
+        "overcooked-bench play my_agent.py --games ours.games.jsonl",
+    )
+    parser.add_argument(
+        "agents", metavar="AGENT", nargs="*", help="agents to offer beside those that `overcooked-bench list` shows"
+    )
+    add_layouts(parser)
+    parser.add_argument(
+        "--games",
+        metavar="FILE",
+        help="add the games of people who agree to this games file (*.games.jsonl); nothing is kept without it",
+    )
+    parser.add_argument(
+        "--pace", metavar="MS", type=positive, default=150.0, help="milliseconds per step (default: 150)"
+    )
+    parser.add_argument(
+        "--horizon", metavar="STEPS", type=whole(1), default=400, help="length of a game (default: 400)"
+    )
+    parser.add_argument(
+        "--cooking",
+        choices=("auto", "manual"),
+        default="auto",
+        help="whether a full pot starts by itself (auto, default) or an empty-handed chef starts it (manual)",
+    )
+    parser.add_argument(
+        "--host", metavar="ADDRESS", default="127.0.0.1", help="where to listen (default: 127.0.0.1, this machine only)"
+    )
+    parser.add_argument("--port", metavar="N", type=whole(0), default=0, help="port (default: a free one)")
+    add_isolate(parser)
+    add_act_timeout(parser)
+
+
+def _play(options: argparse.Namespace) -> int:
+    from overcooked_bench.agents.isolation.settings import isolate
+    from overcooked_bench.human.server.house import Terms
+    from overcooked_bench.human.server.offers import Cast, layouts_of
+    from overcooked_bench.human.server.serving import LOOPBACK, Place, serve
+
+    layouts = tuple(layout.name for layout in layouts_of(options.layouts))
+    isolation = isolate(options.isolate, options.act_timeout) if options.isolate else None
+    terms = Terms(layouts, options.pace / 1000, options.horizon, cooking=options.cooking)
+    cast = Cast(tuple(options.agents), options.cooking, isolation)
+    if options.host not in (LOOPBACK, "localhost", "::1"):
+        print("Whoever knows the address below can play, and the connection is not encrypted.", file=sys.stderr)
+    print("Loading ...", file=sys.stderr)
+
+    def opened(address: str) -> None:
+        print(f"{address}\nopen this address in a browser; Ctrl-C stops the server", flush=True)
+
+    serve(terms, cast, options.games, Place(options.host, options.port), opened)
+    return 0

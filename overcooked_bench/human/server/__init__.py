@@ -1,0 +1,1 @@
+"""People play with agents, or with each other, in a browser: `overcooked-bench play`."""

@@ -1,0 +1,81 @@
+"""What all open pages share: how games are played here, with whom, and what is kept."""
+
+import asyncio
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from overcooked_bench.human.server.chefs import AgentChef, Chef, Person
+from overcooked_bench.human.server.keeping import GamesFile, recorded
+from overcooked_bench.human.server.live import LiveGame, kitchen_to_play
+from overcooked_bench.human.server.offers import Cast
+
+if TYPE_CHECKING:
+    from overcooked_bench.human.server.visit import Visit
+
+SOURCE: Final = "overcooked-bench play"
+
+
+@dataclass(frozen=True)
+class Terms:
+    """How games are played on a server.
+
+    Attributes:
+        layouts: Names of those that can be chosen.
+        pace: Seconds per step.
+        horizon: Steps of a game.
+        countdown: Seconds before the first step.
+        cooking: Of all kitchens.
+    """
+
+    layouts: tuple[str, ...]
+    pace: float = 0.15
+    horizon: int = 400
+    countdown: float = 3.0
+    cooking: str = "auto"
+
+
+@dataclass
+class House:
+    """What all visits share.
+
+    Attributes:
+        terms: How games are played.
+        cast: Whom they can be played with.
+        threads: Where agents are asked.
+        kept: Where games of people who agree go; None keeps nothing.
+        waiting: Room -> the visit whose person waits there for another one.
+    """
+
+    terms: Terms
+    cast: Cast
+    threads: Executor
+    kept: GamesFile | None = None
+    waiting: "dict[str, Visit]" = field(default_factory=dict)
+    writing: asyncio.Lock = field(default_factory=asyncio.Lock)
+
+    async def keep(self, game: LiveGame, labels: list[str]) -> bool:
+        """Writes a game, if games are kept here; returns whether it was."""
+        if self.kept is None:
+            return False
+        line = await asyncio.to_thread(recorded, game, labels, self.terms.pace, SOURCE)
+        async with self.writing:
+            await asyncio.to_thread(self.kept.add, line)
+        return True
+
+    def game(self, layout: str, cast: list[str | None]) -> LiveGame:
+        """Loads the agents and makes the kitchen; takes seconds where a network is loaded.
+
+        Args:
+            layout: Where.
+            cast: References of the agents on seats 0 and 1; None for a person.
+
+        Raises:
+            OvercookedBenchError: An agent cannot play there.
+        """
+        kitchens = kitchen_to_play(layout, self.terms.horizon, self.terms.cooking)
+        chefs: list[Chef] = [
+            Person() if agent is None else AgentChef(self.cast.entrant(agent), kitchens, seat, self.threads)
+            for seat, agent in enumerate(cast)
+        ]
+        return LiveGame(kitchens, chefs)

@@ -1,0 +1,115 @@
+"""`Visit`: one open page, from its consent to its last game; takes messages and says dictionaries, without sockets."""
+
+import asyncio
+import secrets
+from collections.abc import Callable
+from typing import Any
+
+from overcooked_bench.errors import AgentFault, OvercookedBenchError
+from overcooked_bench.human.server.house import House
+from overcooked_bench.human.server.keeping import new_label
+from overcooked_bench.human.server.messages import Begin, Consent, Join, Leave, Message, MessageError, Ping, Watch
+from overcooked_bench.human.server.playing import Playing
+
+Say = Callable[[dict[str, Any]], object]
+"""Sends a message to a page; never waits."""
+
+
+class Visit:
+    """One open page.
+
+    Args:
+        house: What it shares with others.
+        say: Sends to the page.
+    """
+
+    def __init__(self, house: House, say: Say) -> None:
+        self.say, self.label = say, new_label()
+        self.agreed: bool | None = None
+        self.playing: Playing | None = None
+        self._house, self._room = house, ""
+
+    async def hear(self, message: Message) -> None:
+        """Does what a message asks for.
+
+        Raises:
+            MessageError: It does not fit what is going on.
+        """
+        match message:
+            case Ping(at=at):
+                self.say({"type": "pong", "at": at})
+            case Consent(agree=agree):
+                self.agreed = agree
+            case _ if self.agreed is None:
+                raise MessageError("no answer yet to whether games may be kept; send consent first")
+            case Begin():
+                await self._begin(message)
+            case Watch(layout=layout, agents=agents):
+                self._free()
+                await self._start(layout, [agents[0], agents[1]], [self])
+            case Join(room=room):
+                await self._join(room)
+            case Leave():
+                self.leave()
+            case _ if self.playing is None:
+                raise MessageError("no game is going on; begin one")
+            case _:
+                self.playing.hear(self, message)
+
+    def leave(self) -> None:
+        """Ends what is going on; for a page that was closed, too."""
+        self._house.waiting.pop(self._room, None)
+        self._room = ""
+        if self.playing is not None:
+            self.playing.stop(self)
+
+    async def _begin(self, wanted: Begin) -> None:
+        self._free()
+        if wanted.partner is not None:
+            cast: list[str | None] = [wanted.partner, wanted.partner]
+            cast[wanted.seat] = None
+            await self._start(wanted.layout, cast, [self])
+            return
+        self._check(wanted.layout)
+        self._room = secrets.token_hex(4)
+        self._wanted = wanted
+        self._house.waiting[self._room] = self
+        self.say({"type": "waiting", "room": self._room, "layout": wanted.layout})
+
+    async def _join(self, room: str) -> None:
+        self._free()
+        host = self._house.waiting.pop(room, None)
+        if host is None:
+            raise MessageError("nobody waits there (any more); ask for a new link")
+        wanted, host._room = host._wanted, ""
+        visits = [host, self] if wanted.seat == 0 else [self, host]
+        await self._start(wanted.layout, [None, None], visits)
+
+    def _free(self) -> None:
+        if self.playing is not None or self._room:
+            raise MessageError("a game is going on; leave it first")
+
+    def _check(self, layout: str, *agents: str) -> None:
+        if layout not in self._house.terms.layouts:
+            raise MessageError(f"no layout {layout!r} here; there are {', '.join(self._house.terms.layouts)}")
+        offers = self._house.cast.offers(layout)
+        for agent in agents:
+            if not offers.has(agent):
+                raise MessageError(f"{agent!r} is not offered on {layout}{_why(offers.refused.get(agent))}")
+
+    async def _start(self, layout: str, cast: list[str | None], visits: "list[Visit]") -> None:
+        """Starts a game; `cast` has None for each seat of a person."""
+        self._check(layout, *(agent for agent in cast if agent is not None))
+        playing = Playing(self._house, visits, [visit for visit in visits if None in cast])
+        for visit in visits:
+            visit.playing = playing
+        try:
+            game = await asyncio.to_thread(self._house.game, layout, cast)
+        except (OvercookedBenchError, AgentFault) as error:
+            playing.fail(str(error))
+            return
+        playing.start(game)
+
+
+def _why(reason: str | None) -> str:
+    return f": {reason}" if reason else "; choose one from the list"
