@@ -32,6 +32,9 @@ def add_play(commands: Any) -> None:
         "--horizon", metavar="STEPS", type=whole(1), default=400, help="length of a game (default: 400)"
     )
     parser.add_argument(
+        "--countdown", metavar="SECONDS", type=float, default=3.0, help="before the first step (default: 3)"
+    )
+    parser.add_argument(
         "--cooking",
         choices=("auto", "manual"),
         default="auto",
@@ -53,10 +56,10 @@ def _play(options: argparse.Namespace) -> int:
 
     layouts = tuple(layout.name for layout in layouts_of(options.layouts))
     isolation = isolate(options.isolate, options.act_timeout) if options.isolate else None
-    terms = Terms(layouts, options.pace / 1000, options.horizon, cooking=options.cooking)
+    terms = Terms(layouts, options.pace / 1000, options.horizon, max(0.0, options.countdown), options.cooking)
     cast = Cast(tuple(options.agents), options.cooking, isolation)
     if options.host not in (LOOPBACK, "localhost", "::1"):
-        print("Whoever knows the address below can play, and the connection is not encrypted.", file=sys.stderr)
+        print("Anyone who knows the address below can play, and the connection is not encrypted.", file=sys.stderr)
     print("Loading ...", file=sys.stderr)
 
     def opened(address: str) -> None:

@@ -15,10 +15,9 @@ from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from overcooked_bench.human.server.house import House
 from overcooked_bench.human.server.messages import MOST_BYTES, MessageError, parse
 from overcooked_bench.human.server.page.written import play_page
-from overcooked_bench.human.server.visit import Visit
+from overcooked_bench.human.server.visit import Hall, Visit
 
 MOST_VISITS = 64
 """Open pages at the same time."""
@@ -35,16 +34,16 @@ _GONE = (WebSocketDisconnect, RuntimeError)
 """What starlette raises if a page has been closed."""
 
 
-def make_app(house: House, token: str, hosts: Collection[str] = ()) -> Starlette:
+def make_app(hall: Hall, token: str, hosts: Collection[str] = ()) -> Starlette:
     """Makes the application.
 
     Args:
-        house: What is played here.
+        hall: Where people come in.
         token: What the address of the page ends with.
         hosts: Names by which the server may be called besides IP addresses and localhost; any other name is that of a
             foreign page (DNS rebinding).
     """
-    visits: set[Visit] = set()
+    house, visits = hall.house, hall.visits
 
     async def page(request: Request) -> Response:
         if why := _refusal(request, token, hosts):
@@ -71,7 +70,7 @@ def make_app(house: House, token: str, hosts: Collection[str] = ()) -> Starlette
             except asyncio.QueueFull:
                 stuck.set()
 
-        visit = Visit(house, say)
+        visit = Visit(hall, say)
         visits.add(visit)
         works = [_hear(connection, visit), _send(connection, unsent), stuck.wait()]
         tasks = [asyncio.ensure_future(work) for work in works]

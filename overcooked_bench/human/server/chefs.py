@@ -15,10 +15,10 @@ from overcooked_bench.kitchen.kitchens import Kitchens
 
 
 class Chef(Protocol):
-    """Whoever moves a chef."""
+    """A person or an agent that moves a chef."""
 
     def look(self, kitchens: Kitchens) -> None:
-        """Is told of a new state, before the step."""
+        """Is shown of a new state, before the step."""
 
     def action(self) -> int:
         """Returns the action of this step, 0 to 5; called once for every step."""

@@ -3,15 +3,12 @@
 import asyncio
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from overcooked_bench.human.server.chefs import AgentChef, Chef, Person
 from overcooked_bench.human.server.keeping import GamesFile, recorded
 from overcooked_bench.human.server.live import LiveGame, kitchen_to_play
 from overcooked_bench.human.server.offers import Cast
-
-if TYPE_CHECKING:
-    from overcooked_bench.human.server.visit import Visit
 
 SOURCE: Final = "overcooked-bench play"
 
@@ -37,21 +34,19 @@ class Terms:
 
 @dataclass
 class House:
-    """What all visits share.
+    """What all games share.
 
     Attributes:
         terms: How games are played.
         cast: Whom they can be played with.
         threads: Where agents are asked.
         kept: Where games of people who agree go; None keeps nothing.
-        waiting: Room -> the visit whose person waits there for another one.
     """
 
     terms: Terms
     cast: Cast
     threads: Executor
     kept: GamesFile | None = None
-    waiting: "dict[str, Visit]" = field(default_factory=dict)
     writing: asyncio.Lock = field(default_factory=asyncio.Lock)
 
     async def keep(self, game: LiveGame, labels: list[str]) -> bool:

@@ -1,4 +1,4 @@
-"""What a page may send, and nothing else: one JSON object per message, told apart by the key `type`."""
+"""What a page may send, and nothing else: one JSON object per message, distinguished by the key `type`."""
 
 from typing import Annotated, Final, Literal
 
@@ -66,7 +66,7 @@ class Watch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="watch"
 
 
 class Press(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="press"):
-    """Tells that a key went down.
+    """Says that a key went down.
 
     Attributes:
         action: What it stands for.
@@ -76,7 +76,7 @@ class Press(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="press"
 
 
 class Release(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="release"):
-    """Tells that a key went up.
+    """Says that a key went up.
 
     Attributes:
         action: What it stands for.

@@ -1,7 +1,8 @@
 """`Playing`: one game, and the pages that it is shown on."""
 
 import asyncio
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
 
 from overcooked_bench.errors import AgentFault, OvercookedBenchError
 from overcooked_bench.human.server.chefs import AgentChef, Chef, Person, Taken
@@ -10,8 +11,21 @@ from overcooked_bench.human.server.live import LiveGame
 from overcooked_bench.human.server.messages import Control, Message, MessageError, Press, Release, Take
 from overcooked_bench.human.server.pace import Pace
 
-if TYPE_CHECKING:
-    from overcooked_bench.human.server.visit import Visit
+
+class Page(Protocol):
+    """An open page, as a game knows it.
+
+    Attributes:
+        say: Sends a message to it; never waits.
+        label: Of its person's visit.
+        agreed: Whether its person agreed that games are kept.
+        playing: The game that is shown on it.
+    """
+
+    say: Callable[[dict[str, Any]], object]
+    label: str
+    agreed: bool | None
+    playing: "Playing | None"
 
 
 class Playing:
@@ -21,11 +35,14 @@ class Playing:
         house: What they share.
         visits: One page, or those of the two people on seats 0 and 1.
         people: Those of them who are in the game.
+
+    Attributes:
+        game: The game; None while its agents are loaded.
     """
 
-    def __init__(self, house: House, visits: "list[Visit]", people: "list[Visit]") -> None:
-        self._house, self._visits, self._people = house, visits, people
-        self._game: LiveGame | None = None
+    def __init__(self, house: House, visits: Sequence[Page], people: Sequence[Page]) -> None:
+        self._house, self._visits, self._people = house, list(visits), list(people)
+        self.game: LiveGame | None = None
         self._agents: list[Chef] = []
         self._pace = Pace(house.terms.pace, self._step)
         self._task: asyncio.Task[None] | None = None
@@ -34,21 +51,21 @@ class Playing:
         """Shows the kitchen, and plays it."""
         if not self._visits:  # all have left while the agents were loaded
             return
-        self._game, self._agents = game, list(game.chefs)
+        self.game, self._agents = game, list(game.chefs)
         for visit in self._visits:
             visit.say(self._kitchen(game, self._seat(visit)))
         game.look()
         self._task = asyncio.get_running_loop().create_task(self._run())
 
-    def hear(self, visit: "Visit", message: Message) -> None:
+    def hear(self, visit: Page, message: Message) -> None:
         """Does what a page of this game asks for.
 
         Raises:
             MessageError: It does not fit this game.
         """
-        game = self._game
+        game = self.game
         if game is None:
-            raise MessageError("the game has not begun yet")
+            raise MessageError("the game has not started yet")
         if isinstance(message, Press | Release):
             if (person := self._person(visit)) is not None:
                 (person.press if isinstance(message, Press) else person.release)(message.action)
@@ -59,7 +76,7 @@ class Playing:
         elif isinstance(message, Control):
             self._control(message.do)
 
-    def stop(self, visit: "Visit") -> None:
+    def stop(self, visit: Page) -> None:
         """Ends the game for a page that leaves, and so for the other one."""
         self._visits = [other for other in self._visits if other is not visit]
         visit.playing = None
@@ -89,26 +106,26 @@ class Playing:
         elif not self._step():
             self._pace.resume()  # to its end
 
-    def _seat(self, visit: "Visit") -> int | None:
+    def _seat(self, visit: Page) -> int | None:
         """The seat of a page's person, None for one who watches."""
         if visit not in self._people:
             return None
-        assert self._game is not None
-        own = [seat for seat in (0, 1) if self._game.person(seat) is not None]
+        assert self.game is not None
+        own = [seat for seat in (0, 1) if self.game.person(seat) is not None]
         return own[0] if len(own) == 1 else self._visits.index(visit)
 
-    def _person(self, visit: "Visit") -> Person | None:
+    def _person(self, visit: Page) -> Person | None:
         """Whose keys those of a page are."""
-        assert self._game is not None
-        seat = self._seat(visit) if self._people else next((s for s in (0, 1) if self._game.person(s)), None)
-        return None if seat is None else self._game.person(seat)
+        assert self.game is not None
+        seat = self._seat(visit) if self._people else next((s for s in (0, 1) if self.game.person(s)), None)
+        return None if seat is None else self.game.person(seat)
 
     def _is_kept(self) -> bool:
         return self._house.kept is not None and bool(self._people) and all(visit.agreed for visit in self._people)
 
     def _step(self) -> bool:
         """Plays a step and shows it; returns whether there is another one."""
-        game = self._game
+        game = self.game
         assert game is not None
         if not game.left:
             return False
@@ -125,7 +142,7 @@ class Playing:
         return bool(game.left)
 
     async def _run(self) -> None:
-        game, house = self._game, self._house
+        game, house = self.game, self._house
         assert game is not None
         await self._pace.run(house.terms.countdown)
         visits, self._visits = self._visits, []
@@ -143,7 +160,7 @@ class Playing:
             visit.say(end)
 
     def _kitchen(self, game: LiveGame, seat: int | None) -> dict[str, Any]:
-        """What a page is told when its game begins; `seat` is that of its person."""
+        """What a page is sent when its game begins; `seat` is that of its person."""
         terms = self._house.terms
         people = ["you" if seat == index else "the other person" for index in (0, 1)]
         named = [chef.entrant.name if isinstance(chef, AgentChef) else people[i] for i, chef in enumerate(game.chefs)]

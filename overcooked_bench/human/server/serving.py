@@ -45,7 +45,7 @@ def serve(terms: Terms, cast: Cast, kept: str | Path | None, place: Place, say: 
         cast: With whom.
         kept: The games file for people who agree; None keeps nothing.
         place: Where it listens.
-        say: Is told the address of the page, once it can be opened.
+        say: Is shown the address of the page, once it can be opened.
 
     Raises:
         ServerError: The extra `play` is not installed, or the address cannot be used.
@@ -56,17 +56,18 @@ def serve(terms: Terms, cast: Cast, kept: str | Path | None, place: Place, say: 
 
         from overcooked_bench.human.server.app import make_app
         from overcooked_bench.human.server.messages import MOST_BYTES
+        from overcooked_bench.human.server.visit import Hall
     except ImportError as error:
         raise ServerError(
             f"playing in a browser needs the package {error.name}; pip install 'overcooked-bench[play]'"
         ) from None
     token = place.token or secrets.token_urlsafe(16)
-    with _listening(place) as listener, ThreadPoolExecutor(THREADS) as threads, one_thread():
+    with listening(place) as listener, ThreadPoolExecutor(THREADS) as threads, one_thread():
         house = House(terms, cast, threads, None if kept is None else GamesFile(kept))
         for layout in terms.layouts:  # before anybody waits for it
             cast.offers(layout)
         config = uvicorn.Config(
-            make_app(house, token, [place.host]),
+            make_app(Hall(house), token, [place.host]),
             ws="websockets-sansio",
             ws_max_size=MOST_BYTES,
             log_level="warning",
@@ -78,7 +79,12 @@ def serve(terms: Terms, cast: Cast, kept: str | Path | None, place: Place, say: 
         uvicorn.Server(config).run(sockets=[listener])
 
 
-def _listening(place: Place) -> socket.socket:
+def listening(place: Place) -> socket.socket:
+    """Opens the socket that the server listens on.
+
+    Raises:
+        ServerError: The address cannot be used.
+    """
     try:
         return socket.create_server(
             (place.host, place.port), family=socket.AF_INET6 if ":" in place.host else socket.AF_INET, backlog=128

@@ -3,6 +3,7 @@
 import asyncio
 import secrets
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Any
 
 from overcooked_bench.errors import AgentFault, OvercookedBenchError
@@ -11,23 +12,35 @@ from overcooked_bench.human.server.keeping import new_label
 from overcooked_bench.human.server.messages import Begin, Consent, Join, Leave, Message, MessageError, Ping, Watch
 from overcooked_bench.human.server.playing import Playing
 
-Say = Callable[[dict[str, Any]], object]
-"""Sends a message to a page; never waits."""
+
+@dataclass
+class Hall:
+    """Where people come in.
+
+    Attributes:
+        house: What is played here.
+        visits: All open pages.
+        waiting: Room -> the visit whose person waits there for another one.
+    """
+
+    house: House
+    visits: "set[Visit]" = field(default_factory=set)
+    waiting: "dict[str, Visit]" = field(default_factory=dict)
 
 
 class Visit:
     """One open page.
 
     Args:
-        house: What it shares with others.
-        say: Sends to the page.
+        hall: Where it is.
+        say: Sends a message to the page; never waits.
     """
 
-    def __init__(self, house: House, say: Say) -> None:
+    def __init__(self, hall: Hall, say: Callable[[dict[str, Any]], object]) -> None:
         self.say, self.label = say, new_label()
         self.agreed: bool | None = None
         self.playing: Playing | None = None
-        self._house, self._room = house, ""
+        self._hall, self._house, self._room = hall, hall.house, ""
 
     async def hear(self, message: Message) -> None:
         """Does what a message asks for.
@@ -58,7 +71,7 @@ class Visit:
 
     def leave(self) -> None:
         """Ends what is going on; for a page that was closed, too."""
-        self._house.waiting.pop(self._room, None)
+        self._hall.waiting.pop(self._room, None)
         self._room = ""
         if self.playing is not None:
             self.playing.stop(self)
@@ -73,12 +86,12 @@ class Visit:
         self._check(wanted.layout)
         self._room = secrets.token_hex(4)
         self._wanted = wanted
-        self._house.waiting[self._room] = self
+        self._hall.waiting[self._room] = self
         self.say({"type": "waiting", "room": self._room, "layout": wanted.layout})
 
     async def _join(self, room: str) -> None:
         self._free()
-        host = self._house.waiting.pop(room, None)
+        host = self._hall.waiting.pop(room, None)
         if host is None:
             raise MessageError("nobody waits there (any more); ask for a new link")
         wanted, host._room = host._wanted, ""

@@ -4,7 +4,7 @@ import json
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -16,29 +16,27 @@ from overcooked_bench.human.server.house import House, Terms
 from overcooked_bench.human.server.keeping import GamesFile
 from overcooked_bench.human.server.messages import MOST_BYTES
 from overcooked_bench.human.server.offers import Cast
-from overcooked_bench.human.server.serving import Place, _listening
+from overcooked_bench.human.server.serving import Place, listening
+from overcooked_bench.human.server.visit import Hall, Visit
 
 TOKEN = "a-token-of-the-tests"
 SHORT = Terms(("cramped_room",), pace=0.005, horizon=30, countdown=0.0)
 
 
 class Running:
-    """A server that runs; `waits` are the people who wait in it."""
+    """A server that runs."""
 
-    def __init__(self, house: House, port: int) -> None:
-        self.house, self.port = house, port
+    def __init__(self, hall: Hall, port: int) -> None:
+        self.hall, self.house, self.port = hall, hall.house, port
         self.address = f"http://127.0.0.1:{port}/?token={TOKEN}"
 
-    @contextmanager
-    def page(self, **headers: Any) -> Iterator["Page"]:
+    def visits(self) -> set[Visit]:
+        """The open pages."""
+        return self.hall.visits
+
+    def page(self, **more: Any) -> AbstractContextManager["Page"]:
         """Connects as the page does."""
-        origin = headers.pop("origin", f"http://127.0.0.1:{self.port}")
-        token = headers.pop("token", TOKEN)
-        where = f"ws://{headers.pop('name', '127.0.0.1')}:{self.port}/socket?token={token}"
-        with connect(
-            where, origin=origin, proxy=None, open_timeout=60, address=("127.0.0.1", self.port), **headers
-        ) as connection:
-            yield Page(connection)
+        return connected(self.port, **{"token": TOKEN, **more})
 
 
 class Page:
@@ -65,11 +63,20 @@ class Page:
 
 
 @contextmanager
+def connected(port: int, token: str, name: str = "127.0.0.1", **more: Any) -> Iterator[Page]:
+    """Connects to a server as a page of it does, or with another origin or name."""
+    origin = more.get("origin", f"http://{name}:{port}")
+    where = f"ws://{name}:{port}/socket?token={token}"
+    with connect(where, origin=origin, proxy=None, open_timeout=60, address=("127.0.0.1", port)) as connection:
+        yield Page(connection)
+
+
+@contextmanager
 def running(kept: Path | None = None, terms: Terms = SHORT, given: tuple[str, ...] = ()) -> Iterator[Running]:
     """Serves until the end of the block."""
-    with _listening(Place()) as listener, ThreadPoolExecutor(4) as threads:
-        house = House(terms, Cast(given), threads, None if kept is None else GamesFile(kept))
-        app = make_app(house, TOKEN)
+    with listening(Place()) as listener, ThreadPoolExecutor(4) as threads:
+        hall = Hall(House(terms, Cast(given), threads, None if kept is None else GamesFile(kept)))
+        app = make_app(hall, TOKEN)
         config = uvicorn.Config(
             app, ws="websockets-sansio", ws_max_size=MOST_BYTES, log_level="warning", lifespan="off"
         )
@@ -77,7 +84,7 @@ def running(kept: Path | None = None, terms: Terms = SHORT, given: tuple[str, ..
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
         thread.start()
         try:
-            yield Running(house, listener.getsockname()[1])
+            yield Running(hall, listener.getsockname()[1])
         finally:
             server.should_exit = True
             thread.join()

@@ -3,7 +3,7 @@
 
 (() => {
   const $ = (id) => document.getElementById(id);
-  const told = JSON.parse($("told").textContent), query = new URLSearchParams(location.search);
+  const given = JSON.parse($("given").textContent), query = new URLSearchParams(location.search);
   const NAMES = ["blue", "orange"], COLOURS = ["#006bb2", "#f08a00"];
   const KEYS = {
     ArrowUp: 0, KeyW: 0, ArrowDown: 1, KeyS: 1, ArrowRight: 2, KeyD: 2, ArrowLeft: 3, KeyA: 3, Space: 5, KeyE: 5,
@@ -28,9 +28,9 @@
   }
 
   /* Consent */
-  for (const place of document.querySelectorAll("[data-told]")) place.textContent = told[place.dataset.told];
-  for (const place of document.querySelectorAll("[data-if]")) place.hidden = !told[place.dataset.if];
-  for (const place of document.querySelectorAll("[data-if-not]")) place.hidden = told[place.dataset.ifNot];
+  for (const place of document.querySelectorAll("[data-given]")) place.textContent = given[place.dataset.given];
+  for (const place of document.querySelectorAll("[data-if]")) place.hidden = !given[place.dataset.if];
+  for (const place of document.querySelectorAll("[data-if-not]")) place.hidden = given[place.dataset.ifNot];
   function answer(agree) {
     agreed = agree;
     send({ type: "consent", agree });
@@ -42,7 +42,7 @@
   $("refuse").onclick = $("enter").onclick = () => answer(false);
 
   /* Choice of a game */
-  const chosen = () => told.layouts[$("layout").selectedIndex];
+  const chosen = () => given.layouts[$("layout").selectedIndex];
   function lobby() {
     show("lobby");
     preview();
@@ -50,7 +50,7 @@
   function preview() {
     const { name, grid, starts } = chosen(), width = $("choice").clientWidth;
     const tile = Math.floor(Math.min(48, width / grid[0].length, 360 / grid.length));
-    Kitchen.draw($("preview"), grid, [0, 0, starts.map(([x, y]) => [x, y, 1, ""]), []], tile);
+    Kitchen.draw($("preview"), grid, [0, 0, starts.map(([x, y]) => [x, y, 0, ""]), []], tile);
     $("preview").setAttribute("aria-label", `The kitchen ${name}`);
   }
   function offer() {
@@ -72,7 +72,7 @@
     for (const field of document.querySelectorAll("[data-mode]"))
       field.hidden = !field.dataset.mode.split(" ").includes($("mode").value);
   }
-  $("layout").append(...told.layouts.map(({ name }) => make("option", {}, name)));
+  $("layout").append(...given.layouts.map(({ name }) => make("option", {}, name)));
   $("layout").onchange = () => (offer(), preview());
   $("mode").onchange = suit;
   $("choice").onsubmit = (event) => {
@@ -98,7 +98,7 @@
     $("state").textContent = `${points} points, ${left} s left`;
     $("kitchen").setAttribute("aria-label", `${kitchen.layout}, step ${step} of ${kitchen.horizon}, ${points} points`);
   }
-  function told_latency(milliseconds) {
+  function showLatency(milliseconds) {
     const lateness = late ? `; the agent's answer came too late in ${late} steps, in which its chef stayed` : "";
     $("measured").textContent = `Latency ${Math.round(milliseconds)} ms, a step every ${kitchen.pace} ms${lateness}.`;
   }
@@ -133,7 +133,7 @@
       if (now !== seconds) send({ type: "ping", at: performance.now() });
       seconds = now;
     },
-    pong: ({ at }) => kitchen && told_latency(performance.now() - at),
+    pong: ({ at }) => kitchen && showLatency(performance.now() - at),
     waiting({ room }) {
       const link = new URL(location);
       link.searchParams.set("room", room);

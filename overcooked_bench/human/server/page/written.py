@@ -34,14 +34,14 @@ def play_page(terms: "Terms", offers: Mapping[str, "Offers"], keeps: bool) -> st
         }
         for name, layout in ((name, Layout.named(name)) for name in terms.layouts)
     ]
-    told = {"layouts": layouts, "keeps": keeps, "licence": LICENCE, "seconds": round(terms.pace * terms.horizon)}
-    data = json.dumps(told, separators=(",", ":")).replace("<", "\\u003c")  # "</script>" would end the element
+    given = {"layouts": layouts, "keeps": keeps, "licence": LICENCE, "seconds": round(terms.pace * terms.horizon)}
+    data = json.dumps(given, separators=(",", ":")).replace("<", "\\u003c")  # "</script>" would end the element
     viewer = files("overcooked_bench.rendering.viewer").joinpath("kitchen.js").read_text("utf-8")
     parts = {
         name: files(__package__).joinpath(name).read_text("utf-8") for name in ("play.html", "play.js", "play.css")
     }
     scripts = [
-        f'<script type="application/json" id="told">{data}</script>',
+        f'<script type="application/json" id="given">{data}</script>',
         f"<script>\n{viewer}</script>",
         f"<script>\n{parts['play.js']}</script>",
     ]
