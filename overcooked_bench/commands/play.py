@@ -4,7 +4,16 @@ import argparse
 import sys
 from typing import Any
 
-from overcooked_bench.commands.common import add_act_timeout, add_command, add_isolate, add_layouts, positive, whole
+from overcooked_bench.commands.common import (
+    add_act_timeout,
+    add_command,
+    add_isolate,
+    add_layouts,
+    add_output,
+    positive,
+    whole,
+)
+from overcooked_bench.errors import WrongUse
 
 
 def add_play(commands: Any) -> None:
@@ -19,6 +28,10 @@ def add_play(commands: Any) -> None:
     parser.add_argument(
         "agents", metavar="AGENT", nargs="*", help="agents to offer beside those that `overcooked-bench list` shows"
     )
+    parser.add_argument(
+        "--study", metavar="PLAN", help="be the server of a study, whose YAML file this is; docs/studies.md says more"
+    )
+    add_output(parser, "studies/<name>, for --study")
     add_layouts(parser)
     parser.add_argument(
         "--games",
@@ -44,6 +57,12 @@ def add_play(commands: Any) -> None:
         "--host", metavar="ADDRESS", default="127.0.0.1", help="where to listen (default: 127.0.0.1, this machine only)"
     )
     parser.add_argument("--port", metavar="N", type=whole(0), default=0, help="port (default: a free one)")
+    parser.add_argument(
+        "--token",
+        metavar="TEXT",
+        default="",
+        help="end of the address, to keep it over restarts",
+    )
     add_isolate(parser)
     add_act_timeout(parser)
 
@@ -53,11 +72,10 @@ def _play(options: argparse.Namespace) -> int:
     from overcooked_bench.human.server.house import Terms
     from overcooked_bench.human.server.offers import Cast, layouts_of
     from overcooked_bench.human.server.serving import LOOPBACK, Place, serve
+    from overcooked_bench.human.server.studies import open_study
 
-    layouts = tuple(layout.name for layout in layouts_of(options.layouts))
     isolation = isolate(options.isolate, options.act_timeout) if options.isolate else None
-    terms = Terms(layouts, options.pace / 1000, options.horizon, max(0.0, options.countdown), options.cooking)
-    cast = Cast(tuple(options.agents), options.cooking, isolation)
+    countdown = max(0.0, options.countdown)
     if options.host not in (LOOPBACK, "localhost", "::1"):
         print("Anyone who knows the address below can play, and the connection is not encrypted.", file=sys.stderr)
     print("Loading ...", file=sys.stderr)
@@ -65,5 +83,14 @@ def _play(options: argparse.Namespace) -> int:
     def opened(address: str) -> None:
         print(f"{address}\nopen this address in a browser; Ctrl-C stops the server", flush=True)
 
-    serve(terms, cast, options.games, Place(options.host, options.port), opened)
+    place = Place(options.host, options.port, options.token)
+    if options.study:
+        if options.agents or options.layouts or options.games:
+            raise WrongUse("the plan of a study says who plays where; give --output DIR for its record, and no others")
+        terms, cast, games, log = open_study(options.study, options.output, options.cooking, countdown, isolation)
+        serve(terms, cast, games, place, opened, log)
+        return 0
+    layouts = tuple(layout.name for layout in layouts_of(options.layouts))
+    terms = Terms(layouts, options.pace / 1000, options.horizon, countdown, options.cooking)
+    serve(terms, Cast(tuple(options.agents), options.cooking, isolation), options.games, place, opened)
     return 0

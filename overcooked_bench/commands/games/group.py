@@ -3,6 +3,7 @@
 from typing import Any
 
 from overcooked_bench.commands.common import add_group
+from overcooked_bench.commands.games.answering import add_answers
 from overcooked_bench.commands.games.exporting import add_export
 from overcooked_bench.commands.games.importing import add_import_2019
 from overcooked_bench.commands.games.showing import add_show
@@ -18,5 +19,5 @@ def add_games(commands: Any) -> None:
         "get, list, check, describe and export recorded games",
         "overcooked-bench games show me.games.jsonl",
     )
-    for add in (add_import_2019, add_show, add_verify, add_stats, add_export):
+    for add in (add_import_2019, add_show, add_verify, add_stats, add_export, add_answers):
         add(inner)

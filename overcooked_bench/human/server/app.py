@@ -16,7 +16,8 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from overcooked_bench.human.server.messages import MOST_BYTES, MessageError, parse
-from overcooked_bench.human.server.page.written import play_page
+from overcooked_bench.human.server.page.written import play_page, study_page
+from overcooked_bench.human.server.participant import Participant
 from overcooked_bench.human.server.visit import Hall, Visit
 
 MOST_VISITS = 64
@@ -48,8 +49,11 @@ def make_app(hall: Hall, token: str, hosts: Collection[str] = ()) -> Starlette:
     async def page(request: Request) -> Response:
         if why := _refusal(request, token, hosts):
             return PlainTextResponse(why, 403, _HEADERS)
-        offers = {name: house.cast.offers(name) for name in house.terms.layouts}
-        content = await asyncio.to_thread(play_page, house.terms, offers, house.kept is not None)
+        if hall.log is None:
+            offers = {name: house.cast.offers(name) for name in house.terms.layouts}
+            content = await asyncio.to_thread(play_page, house.terms, offers, house.kept is not None)
+        else:
+            content = await asyncio.to_thread(study_page, house.terms, hall.log.study)
         return HTMLResponse(content, headers=_HEADERS)
 
     async def socket(connection: WebSocket) -> None:
@@ -70,8 +74,7 @@ def make_app(hall: Hall, token: str, hosts: Collection[str] = ()) -> Starlette:
             except asyncio.QueueFull:
                 stuck.set()
 
-        visit = Visit(hall, say)
-        visits.add(visit)
+        visit = hall.enter(say)
         works = [_hear(connection, visit), _send(connection, unsent), stuck.wait()]
         tasks = [asyncio.ensure_future(work) for work in works]
         try:
@@ -91,7 +94,7 @@ def make_app(hall: Hall, token: str, hosts: Collection[str] = ()) -> Starlette:
     return Starlette(routes=[Route("/", page), WebSocketRoute("/socket", socket)])
 
 
-async def _hear(connection: WebSocket, visit: Visit) -> None:
+async def _hear(connection: WebSocket, visit: "Visit | Participant") -> None:
     """Passes messages on until the page is closed."""
     while True:
         received = await connection.receive()

@@ -49,11 +49,11 @@ class House:
     kept: GamesFile | None = None
     writing: asyncio.Lock = field(default_factory=asyncio.Lock)
 
-    async def keep(self, game: LiveGame, labels: list[str]) -> bool:
+    async def keep(self, game: LiveGame, labels: list[str], notes: str = "") -> bool:
         """Writes a game, if games are kept here; returns whether it was."""
         if self.kept is None:
             return False
-        line = await asyncio.to_thread(recorded, game, labels, self.terms.pace, SOURCE)
+        line = await asyncio.to_thread(recorded, game, labels, self.terms.pace, SOURCE, notes)
         async with self.writing:
             await asyncio.to_thread(self.kept.add, line)
         return True

@@ -6,6 +6,7 @@ import msgspec
 from msgspec import Meta
 
 from overcooked_bench.errors import WrongUse
+from overcooked_bench.human.study.log import Code
 
 MOST_BYTES: Final = 2048
 """Of one message; the server closes the connection at a longer one."""
@@ -109,6 +110,30 @@ class Leave(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="leave"
     """Ends the game."""
 
 
+class Enroll(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="enroll"):
+    """Takes part in the study that this server is for.
+
+    Attributes:
+        code: What the page drew, or kept from before.
+    """
+
+    code: Code
+
+
+class Next(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="next"):
+    """Asks for the next game of a study."""
+
+
+class Answers(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="answers"):
+    """Answers the questions about the last game of a study.
+
+    Attributes:
+        answers: Question -> number on its scale.
+    """
+
+    answers: Annotated[dict[Annotated[str, Meta(max_length=60)], int], Meta(max_length=10)]
+
+
 class Ping(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="ping"):
     """Asks for an answer at once, to measure the time on the way.
 
@@ -119,7 +144,7 @@ class Ping(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="ping"):
     at: float
 
 
-Message = Consent | Begin | Join | Watch | Press | Release | Control | Take | Leave | Ping
+Message = Consent | Begin | Join | Watch | Press | Release | Control | Take | Leave | Enroll | Next | Answers | Ping
 
 _DECODER: Final = msgspec.json.Decoder(Message)
 

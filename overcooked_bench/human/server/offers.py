@@ -58,6 +58,10 @@ class Cast:
         """Finds an agent; a given one is found once."""
         return _found(reference, self.isolation if reference in self.given else None)
 
+    def why_not(self, reference: str, layout: str) -> str:
+        """Says why an agent cannot play on a layout; nothing if it can."""
+        return _misfit(reference, layout, self.cooking, self.isolation if reference in self.given else None)
+
     def offers(self, layout: str) -> Offers:
         """Returns what can be chosen on a layout."""
         return _offers(layout, tuple(self.given), self.cooking, self.isolation)

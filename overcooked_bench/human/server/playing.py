@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 from overcooked_bench.errors import AgentFault, OvercookedBenchError
 from overcooked_bench.human.server.chefs import AgentChef, Chef, Person, Taken
@@ -10,6 +10,9 @@ from overcooked_bench.human.server.house import House
 from overcooked_bench.human.server.live import LiveGame
 from overcooked_bench.human.server.messages import Control, Message, MessageError, Press, Release, Take
 from overcooked_bench.human.server.pace import Pace
+
+TROUBLE: Final = "the game cannot be played; please report it to the people who do this study"
+"""What a blinded page says if an agent is at fault."""
 
 
 class Page(Protocol):
@@ -35,13 +38,25 @@ class Playing:
         house: What they share.
         visits: One page, or those of the two people on seats 0 and 1.
         people: Those of them who are in the game.
+        blind: What a page shows instead of the agents' names; None shows them.
+        notes: Goes into the record of the game.
+        on_end: Is called when the game was played to its end and, if it is kept, written.
 
     Attributes:
         game: The game; None while its agents are loaded.
     """
 
-    def __init__(self, house: House, visits: Sequence[Page], people: Sequence[Page]) -> None:
+    def __init__(
+        self,
+        house: House,
+        visits: Sequence[Page],
+        people: Sequence[Page],
+        blind: str | None = None,
+        notes: str = "",
+        on_end: Callable[[LiveGame], object] = lambda game: None,
+    ) -> None:
         self._house, self._visits, self._people = house, list(visits), list(people)
+        self._blind, self._notes, self._on_end = blind, notes, on_end
         self.game: LiveGame | None = None
         self._agents: list[Chef] = []
         self._pace = Pace(house.terms.pace, self._step)
@@ -132,7 +147,7 @@ class Playing:
         try:
             game.step()
         except AgentFault as error:
-            self.fail(f"{error}; the game is not kept")
+            self.fail(f"{error}; the game is not kept" if self._blind is None else TROUBLE)
             return False
         frame = {"type": "frame", "frame": game.frame(), "late": game.late}
         for visit in self._visits:
@@ -153,7 +168,8 @@ class Playing:
         end = {"type": "end", "points": game.points, "soups": game.soups, "steps": len(game.actions), "kept": False}
         if self._is_kept():
             try:
-                end["kept"] = await house.keep(game, [visit.label for visit in self._people])
+                end["kept"] = await house.keep(game, [visit.label for visit in self._people], self._notes)
+                self._on_end(game)
             except (OvercookedBenchError, OSError) as error:
                 end["error"] = str(error)
         for visit in visits:
@@ -163,7 +179,10 @@ class Playing:
         """What a page is sent when its game begins; `seat` is that of its person."""
         terms = self._house.terms
         people = ["you" if seat == index else "the other person" for index in (0, 1)]
-        named = [chef.entrant.name if isinstance(chef, AgentChef) else people[i] for i, chef in enumerate(game.chefs)]
+        named = [
+            (self._blind or chef.entrant.name) if isinstance(chef, AgentChef) else people[index]
+            for index, chef in enumerate(game.chefs)
+        ]
         return {
             "type": "kitchen",
             "layout": game.layout.name,

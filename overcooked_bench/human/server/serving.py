@@ -12,6 +12,7 @@ from overcooked_bench.errors import WrongUse
 from overcooked_bench.human.server.house import House, Terms
 from overcooked_bench.human.server.keeping import GamesFile
 from overcooked_bench.human.server.offers import Cast
+from overcooked_bench.human.study.log import StudyLog
 
 LOOPBACK = "127.0.0.1"
 THREADS = 8
@@ -37,7 +38,14 @@ class Place:
     token: str = ""
 
 
-def serve(terms: Terms, cast: Cast, kept: str | Path | None, place: Place, say: Callable[[str], object]) -> None:
+def serve(
+    terms: Terms,
+    cast: Cast,
+    kept: str | Path | None,
+    place: Place,
+    say: Callable[[str], object],
+    log: StudyLog | None = None,
+) -> None:
     """Serves the page until Ctrl-C.
 
     Args:
@@ -46,6 +54,7 @@ def serve(terms: Terms, cast: Cast, kept: str | Path | None, place: Place, say: 
         kept: The games file for people who agree; None keeps nothing.
         place: Where it listens.
         say: Is shown the address of the page, once it can be opened.
+        log: Of the study that it is for, if it is for one.
 
     Raises:
         ServerError: The extra `play` is not installed, or the address cannot be used.
@@ -64,10 +73,10 @@ def serve(terms: Terms, cast: Cast, kept: str | Path | None, place: Place, say: 
     token = place.token or secrets.token_urlsafe(16)
     with listening(place) as listener, ThreadPoolExecutor(THREADS) as threads, one_thread():
         house = House(terms, cast, threads, None if kept is None else GamesFile(kept))
-        for layout in terms.layouts:  # before anybody waits for it
+        for layout in terms.layouts if log is None else ():  # before anybody waits for it
             cast.offers(layout)
         config = uvicorn.Config(
-            make_app(Hall(house), token, [place.host]),
+            make_app(Hall(house, log), token, [place.host]),
             ws="websockets-sansio",
             ws_max_size=MOST_BYTES,
             log_level="warning",

@@ -10,7 +10,9 @@ from overcooked_bench.errors import AgentFault, OvercookedBenchError
 from overcooked_bench.human.server.house import House
 from overcooked_bench.human.server.keeping import new_label
 from overcooked_bench.human.server.messages import Begin, Consent, Join, Leave, Message, MessageError, Ping, Watch
+from overcooked_bench.human.server.participant import Participant
 from overcooked_bench.human.server.playing import Playing
+from overcooked_bench.human.study.log import StudyLog
 
 
 @dataclass
@@ -19,13 +21,25 @@ class Hall:
 
     Attributes:
         house: What is played here.
+        log: Of the study that this server is for, if it is for one.
         visits: All open pages.
         waiting: Room -> the visit whose person waits there for another one.
     """
 
     house: House
-    visits: "set[Visit]" = field(default_factory=set)
+    log: StudyLog | None = None
+    visits: "set[Visit | Participant]" = field(default_factory=set)
     waiting: "dict[str, Visit]" = field(default_factory=dict)
+
+    def enter(self, say: Callable[[dict[str, Any]], object]) -> "Visit | Participant":
+        """Lets a page in.
+
+        Args:
+            say: Sends a message to the page; never waits.
+        """
+        visit = Visit(self, say) if self.log is None else Participant(self.house, self.log, say)
+        self.visits.add(visit)
+        return visit
 
 
 class Visit:

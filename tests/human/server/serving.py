@@ -16,8 +16,10 @@ from overcooked_bench.human.server.house import House, Terms
 from overcooked_bench.human.server.keeping import GamesFile
 from overcooked_bench.human.server.messages import MOST_BYTES
 from overcooked_bench.human.server.offers import Cast
+from overcooked_bench.human.server.participant import Participant
 from overcooked_bench.human.server.serving import Place, listening
 from overcooked_bench.human.server.visit import Hall, Visit
+from overcooked_bench.human.study.log import StudyLog
 
 TOKEN = "a-token-of-the-tests"
 SHORT = Terms(("cramped_room",), pace=0.005, horizon=30, countdown=0.0)
@@ -30,7 +32,7 @@ class Running:
         self.hall, self.house, self.port = hall, hall.house, port
         self.address = f"http://127.0.0.1:{port}/?token={TOKEN}"
 
-    def visits(self) -> set[Visit]:
+    def visits(self) -> "set[Visit | Participant]":
         """The open pages."""
         return self.hall.visits
 
@@ -72,10 +74,12 @@ def connected(port: int, token: str, name: str = "127.0.0.1", **more: Any) -> It
 
 
 @contextmanager
-def running(kept: Path | None = None, terms: Terms = SHORT, given: tuple[str, ...] = ()) -> Iterator[Running]:
+def running(
+    kept: Path | None = None, terms: Terms = SHORT, given: tuple[str, ...] = (), log: StudyLog | None = None
+) -> Iterator[Running]:
     """Serves until the end of the block."""
     with listening(Place()) as listener, ThreadPoolExecutor(4) as threads:
-        hall = Hall(House(terms, Cast(given), threads, None if kept is None else GamesFile(kept)))
+        hall = Hall(House(terms, Cast(given), threads, None if kept is None else GamesFile(kept)), log)
         app = make_app(hall, TOKEN)
         config = uvicorn.Config(
             app, ws="websockets-sansio", ws_max_size=MOST_BYTES, log_level="warning", lifespan="off"

@@ -13,27 +13,6 @@ KEYS = {"U": "ArrowUp", "D": "ArrowDown", "R": "ArrowRight", "L": "ArrowLeft", "
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture
-def visited(browser):
-    """Opens an address: `visited(address, width=390)`; the test fails if the page has an error."""
-    contexts, problems = [], []
-
-    def opener(address, width=1280, height=900, dark=False, **more):
-        scheme = "dark" if dark else "light"
-        context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme, **more)
-        contexts.append(context)
-        page = context.new_page()
-        page.on("pageerror", lambda error: problems.append(str(error)))
-        page.on("console", lambda said: problems.append(said.text) if said.type == "error" else None)
-        page.goto(address)
-        return page
-
-    yield opener
-    for context in contexts:
-        context.close()
-    assert problems == []
-
-
 def begin(page, consent="#agree", **choices):
     page.click(consent)
     for field, value in choices.items():
@@ -46,16 +25,19 @@ def steps_shown(page):
     return int(page.get_attribute("#kitchen", "aria-label").split("step ")[1].split(" ")[0])
 
 
+def wait_for_step(page, step):
+    page.wait_for_function(
+        "step => +document.getElementById('kitchen').getAttribute('aria-label').match(/step (\\d+)/)[1] >= step",
+        arg=step,
+    )
+
+
 def press(page, letters):
     """Presses one key in each step at most, so that the steps between keys are steps in which the chef stays."""
     for letter in letters:
         before = steps_shown(page)
         page.keyboard.press(KEYS[letter])
-        page.wait_for_function(
-            "before => +document.getElementById('kitchen').getAttribute('aria-label').split('step ')[1].split(' ')[0]"
-            " >= before + 2",
-            arg=before,
-        )
+        wait_for_step(page, before + 2)
 
 
 def test_a_whole_game_is_played_by_keyboard_and_kept(visited, tmp_path):
@@ -64,12 +46,7 @@ def test_a_whole_game_is_played_by_keyboard_and_kept(visited, tmp_path):
         page = visited(server.address)
         begin(page, partner="stay", seat="0")
         press(page, TO_THE_POT)
-        cooked = steps_shown(page) + 22
-        page.wait_for_function(
-            "until => +document.getElementById('kitchen').getAttribute('aria-label').split('step ')[1].split(' ')[0]"
-            " >= until",
-            arg=cooked,
-        )
+        wait_for_step(page, steps_shown(page) + 22)
         press(page, TO_SERVE)
         page.wait_for_selector("#end:visible", timeout=60_000)
         assert page.inner_text("#result") == "20 points, 1 soup"
@@ -86,6 +63,7 @@ def test_a_person_plays_on_a_touch_screen(visited):
         page.wait_for_selector("#pad:visible")
         page.tap("#pad [data-action='0']")
         page.wait_for_function("document.getElementById('measured').textContent.includes('Latency')")
+        wait_for_step(page, steps_shown(page) + 5)
         playing = next(iter(server.visits())).playing
         assert {first for first, _ in playing.game.actions} >= {0}
         wide = page.evaluate("document.documentElement.scrollWidth")
@@ -118,10 +96,7 @@ def test_a_watched_game_is_paused_and_taken_over(visited):
         page.select_option("#take", "0")
         page.keyboard.press("ArrowUp")
         page.click("#step")
-        page.wait_for_function(
-            "step => document.getElementById('kitchen').getAttribute('aria-label').includes(`step ${step} `)",
-            arg=before + 1,
-        )
+        wait_for_step(page, before + 1)
         playing = next(iter(server.visits())).playing
         assert playing.game.actions[-1][0] == 0
 

@@ -35,10 +35,12 @@
     agreed = agree;
     send({ type: "consent", agree });
     $("keeping").textContent = agree ? "Games that you finish are kept." : "Nothing of your games is kept.";
+    if (given.study) return studied.enroll();
     if (query.get("room")) return send({ type: "join", room: query.get("room") });
     lobby();
   }
   $("agree").onclick = () => answer(true);
+  $("about").textContent = given.study?.consent;
   $("refuse").onclick = $("enter").onclick = () => answer(false);
 
   /* Choice of a game */
@@ -72,7 +74,7 @@
     for (const field of document.querySelectorAll("[data-mode]"))
       field.hidden = !field.dataset.mode.split(" ").includes($("mode").value);
   }
-  $("layout").append(...given.layouts.map(({ name }) => make("option", {}, name)));
+  if (!given.study) $("layout").append(...given.layouts.map(({ name }) => make("option", {}, name)));
   $("layout").onchange = () => (offer(), preview());
   $("mode").onchange = suit;
   $("choice").onsubmit = (event) => {
@@ -151,6 +153,8 @@
     error: ({ text }) => complain(text),
     left: lobby,
   };
+  const studied = given.study && study({ send, show, make, complain });
+  Object.assign(HEARD, studied?.heard);
 
   /* Keys: those that go down and up, on the keyboard and on the pad. */
   const plays = () => kitchen && (kitchen.seat !== null || $("take").value !== "");
@@ -193,7 +197,7 @@
 
   function leave() {
     send({ type: "leave" });
-    lobby();
+    if (!given.study) lobby();
   }
   $("leave").onclick = $("give-up").onclick = leave;
   $("again").onclick = () => begin(wanted);
@@ -210,6 +214,5 @@
     show("");
     complain("The connection to the server is lost. Reload the page to go on; games that were finished are safe.");
   };
-  offer();
-  suit();
+  if (!given.study) offer(), suit();
 })();

@@ -3,9 +3,10 @@
 import json
 from collections.abc import Mapping
 from importlib.resources import files
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from overcooked_bench.human.server.keeping import LICENCE
+from overcooked_bench.human.study.plan import Study
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.rendering.page import POLICY, page
 
@@ -34,16 +35,31 @@ def play_page(terms: "Terms", offers: Mapping[str, "Offers"], keeps: bool) -> st
         }
         for name, layout in ((name, Layout.named(name)) for name in terms.layouts)
     ]
-    given = {"layouts": layouts, "keeps": keeps, "licence": LICENCE, "seconds": round(terms.pace * terms.horizon)}
+    return _page(terms, {"layouts": layouts, "keeps": keeps})
+
+
+def study_page(terms: "Terms", study: Study) -> str:
+    """Returns the page of a study as HTML; it names neither conditions nor partners.
+
+    Args:
+        terms: How games are played.
+        study: The study.
+    """
+    games = len(study.trials(0))
+    return _page(
+        terms, {"keeps": True, "study": {"name": study.plan.name, "consent": study.plan.consent, "games": games}}
+    )
+
+
+def _page(terms: "Terms", given: dict[str, Any]) -> str:
+    given = {**given, "licence": LICENCE, "seconds": round(terms.pace * terms.horizon)}
     data = json.dumps(given, separators=(",", ":")).replace("<", "\\u003c")  # "</script>" would end the element
     viewer = files("overcooked_bench.rendering.viewer").joinpath("kitchen.js").read_text("utf-8")
-    parts = {
-        name: files(__package__).joinpath(name).read_text("utf-8") for name in ("play.html", "play.js", "play.css")
-    }
+    here = files(__package__)
+    parts = {name: here.joinpath(name).read_text("utf-8") for name in ("play.html", "play.js", "study.js", "play.css")}
     scripts = [
         f'<script type="application/json" id="given">{data}</script>',
-        f"<script>\n{viewer}</script>",
-        f"<script>\n{parts['play.js']}</script>",
+        *(f"<script>\n{program}</script>" for program in (viewer, parts["study.js"], parts["play.js"])),
     ]
     body = [f"<h1>{TITLE}</h1>", parts["play.html"], *scripts]
     return page(TITLE, body, parts["play.css"], f"{POLICY}; connect-src 'self'")
