@@ -224,8 +224,8 @@ def _separates(name: str) -> str:
 
 
 _WHY: Final = {
-    "yes": "the intervals of N of two trained methods do not overlap.",
-    "no": "the intervals of N of all trained methods overlap.",
+    "yes": "the intervals of N of two of these entries, each trained several times, do not overlap.",
+    "no": "the intervals of N of all entries that were trained several times overlap.",
 }
 
 

@@ -35,7 +35,7 @@ print(side_by_side([film(worst.layout, states[step], colour=False) for step in (
 #
 # `explain` plays on from moments of the recorded games: the pair, two copies of the agent, two copies of the partner,
 # and two copies of `greedy`, which shows what the state allows. Each moment from which the pair fails gets a reason.
-# Ten moments are few; the default is fifty. On the command line: `overcooked-bench explain scores/mine`.
+# Ten moments are few; the default is fifty. On the command line: `overcooked-bench explain scores/mine --agent AGENT`.
 
 # %%
 from overcooked_bench.evaluation.explaining.explain import explain

@@ -136,7 +136,9 @@ def test_an_exported_model_acts_as_it_did(name, tmp_path, monkeypatch):
     assert [problem.partition(": ")[2].partition(" ")[0] for problem in problems] == [
         *("`contact`", "`licence`", "`method`", "`joint_steps`", "`pledge`")
     ]
-    assert f"this model counts {model.num_timesteps:,}" in (tmp_path / "mine" / "submission.yaml").read_text()
+    (counted,) = [line for line in (tmp_path / "mine" / "submission.yaml").read_text().splitlines() if "counts" in line]
+    assert f"# this model counts {model.num_timesteps:,}; environment steps" in counted
+    assert counted.count("#") == 1
 
 
 @pytest.fixture(scope="module")

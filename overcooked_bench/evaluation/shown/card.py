@@ -57,6 +57,8 @@ def columns_note(scores: Scores) -> str:
     rows = list(scores.select(first))
     strata = [HEADS.get(one, one).replace("\n", " ") for one in STRATA if any(row.stratum == one for row in rows)]
     said = [f"{', '.join(strata)}: {title} with each stratum of partners"] if strata else []
+    if not scores.settings.report.ranked:
+        said.insert(0, f"{title} ± s.e.: the score and its standard error")
     if any(row.home is False for row in rows):
         said.append(f"away: {title} with partners of other code and other people than the agent was trained with")
     if any(scores.select(WORST)):

@@ -103,9 +103,10 @@ def export(
         _check_folder(folder, converted.mode, stem)
     files = save_policy(stem, converted.architecture, converted.tensors, dtype=np.float32)
     if is_new:
-        note = f"null        # this model counts {steps:,};"
         observed = converted.architecture.observation
-        write_whole(folder / MANIFEST, manifest_text(folder.name, method='""', joint_steps=note, observation=observed))
+        manifest = manifest_text(folder.name, method='""', joint_steps="null", observation=observed)
+        counted = f"# this model counts {steps:,}; "
+        write_whole(folder / MANIFEST, re.sub(r"(?<=joint_steps: null)( +)# ", rf"\1{counted}", manifest, count=1))
         write_whole(folder / ENTRY, agent)
         write_whole(folder / "README.md", readme_text(folder.name))
     for name, (pattern, written) in ((ENTRY, _SEEDS), (MANIFEST, _SEEDS_SAID)):
