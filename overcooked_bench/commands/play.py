@@ -34,6 +34,9 @@ def add_play(commands: Any) -> None:
     add_output(parser, "studies/<name>, for --study")
     add_layouts(parser)
     parser.add_argument(
+        "--seat", type=int, choices=(0, 1), help="the chef that the page suggests: 0 (blue) or 1 (orange)"
+    )
+    parser.add_argument(
         "--games",
         metavar="FILE",
         help="add the games of people who agree to this games file (*.games.jsonl); nothing is kept without it",
@@ -85,12 +88,12 @@ def _play(options: argparse.Namespace) -> int:
 
     place = Place(options.host, options.port, options.token)
     if options.study:
-        if options.agents or options.layouts or options.games:
+        if options.agents or options.layouts or options.games or options.seat is not None:
             raise WrongUse("the plan of a study says who plays where; give --output DIR for its record, and no others")
         terms, cast, games, log = open_study(options.study, options.output, options.cooking, countdown, isolation)
         serve(terms, cast, games, place, opened, log)
         return 0
     layouts = tuple(layout.name for layout in layouts_of(options.layouts))
-    terms = Terms(layouts, options.pace / 1000, options.horizon, countdown, options.cooking)
+    terms = Terms(layouts, options.pace / 1000, options.horizon, countdown, options.cooking, options.seat)
     serve(terms, Cast(tuple(options.agents), options.cooking, isolation), options.games, place, opened)
     return 0

@@ -23,6 +23,7 @@ class Terms:
         horizon: Steps of a game.
         countdown: Seconds before the first step.
         cooking: Of all kitchens.
+        seat: The chef that the page suggests to a person; None leaves that to the page.
     """
 
     layouts: tuple[str, ...]
@@ -30,6 +31,7 @@ class Terms:
     horizon: int = 400
     countdown: float = 3.0
     cooking: str = "auto"
+    seat: int | None = None
 
 
 @dataclass

@@ -77,7 +77,9 @@ class Visit:
             case Join(room=room):
                 await self._join(room)
             case Leave():
-                self.leave()
+                if self.playing is not None or self._room:
+                    self.leave()
+                    self.say({"type": "left"})
             case _ if self.playing is None:
                 raise MessageError("no game is going on; begin one")
             case _:

@@ -86,6 +86,39 @@ def test_two_people_meet_by_a_link(visited, tmp_path):
             assert "was kept" in page.inner_text("#saved")
 
 
+def test_a_link_at_which_nobody_waits_leads_to_the_choice_of_a_game(visited):
+    with running(terms=Terms(("cramped_room",), countdown=0.0, seat=1)) as server:
+        page = visited(server.address + "&room=0123abcd")
+        page.click("#enter")
+        page.wait_for_selector("#lobby:visible")
+        assert "ask for a new link" in page.inner_text("#problem")
+        assert page.input_value("#seat") == "1"
+
+
+def test_the_page_says_so_while_a_partner_is_loaded(visited, tmp_path):
+    ready = tmp_path / "ready"
+    agent = tmp_path / "slow.py"
+    agent.write_text(
+        "import time\nfrom pathlib import Path\n\n\nclass Stay:\n    observation = 'features'\n"
+        "    def reset(self, layout, seats, seeds): pass\n    def act(self, observations): return [4]\n\n\n"
+        "def make_agent(layout, training_seed):\n"
+        f"    while not Path({str(ready)!r}).exists(): time.sleep(0.01)\n    return Stay()\n"
+    )
+    ready.touch()
+    with running(terms=Terms(("cramped_room",), 0.05, 2000, countdown=0.0), given=(str(agent),)) as server:
+        page = visited(server.address)
+        page.click("#enter")
+        ready.unlink()
+        try:
+            page.click("button[type=submit]")
+            page.wait_for_selector("#loading:visible")
+        finally:
+            ready.touch()
+        page.wait_for_selector("#kitchen:visible")
+        page.click("#leave")
+        page.wait_for_selector("#lobby:visible")
+
+
 def test_a_watched_game_is_paused_and_taken_over(visited):
     with running(terms=Terms(("cramped_room",), pace=0.05, horizon=2000, countdown=0.0)) as server:
         page = visited(server.address)

@@ -59,6 +59,7 @@ def test_a_game_that_is_left_is_not_kept(server):
         page.send("begin", layout="cramped_room", seat=0, partner="greedy")
         page.hear("frame")
         page.send("leave")
+        page.hear("left")
         assert page.play()["kept"] is True
     assert len(kept(server)) == len(before) + 1
 

@@ -36,8 +36,9 @@
     send({ type: "consent", agree });
     $("keeping").textContent = agree ? "Games that you finish are kept." : "Nothing of your games is kept.";
     if (given.study) return studied.enroll();
-    if (query.get("room")) return send({ type: "join", room: query.get("room") });
-    lobby();
+    if (!query.get("room")) return lobby();
+    show("loading");
+    send({ type: "join", room: query.get("room") });
   }
   $("agree").onclick = () => answer(true);
   $("about").textContent = given.study?.consent;
@@ -86,6 +87,7 @@
   function begin(message) {
     complain("");
     wanted = message;
+    show("loading");
     send(message);
   }
 
@@ -101,7 +103,8 @@
     $("kitchen").setAttribute("aria-label", `${kitchen.layout}, step ${step} of ${kitchen.horizon}, ${points} points`);
   }
   function showLatency(milliseconds) {
-    const lateness = late ? `; the agent's answer came too late in ${late} steps, in which its chef stayed` : "";
+    const steps = late === 1 ? "1 step" : `${late} steps`;
+    const lateness = late ? `; the agent's answer came too late in ${steps}, in which its chef stayed` : "";
     $("measured").textContent = `Latency ${Math.round(milliseconds)} ms, a step every ${kitchen.pace} ms${lateness}.`;
   }
   function count(left) {
@@ -150,7 +153,10 @@
       $("again").hidden = !wanted;
       $("result").focus();
     },
-    error: ({ text }) => complain(text),
+    error({ text }) {
+      complain(text);
+      if (!$("loading").hidden) given.study ? show("trial") : lobby();
+    },
     left: lobby,
   };
   const studied = given.study && study({ send, show, make, complain });
@@ -195,11 +201,7 @@
     $("take").blur();
   };
 
-  function leave() {
-    send({ type: "leave" });
-    if (!given.study) lobby();
-  }
-  $("leave").onclick = $("give-up").onclick = leave;
+  $("leave").onclick = $("give-up").onclick = () => send({ type: "leave" });
   $("again").onclick = () => begin(wanted);
   $("other").onclick = lobby;
 
@@ -215,4 +217,5 @@
     complain("The connection to the server is lost. Reload the page to go on; games that were finished are safe.");
   };
   if (!given.study) offer(), suit();
+  if (given.seat !== null) $("seat").value = given.seat;
 })();

@@ -26,6 +26,7 @@ const study = ({ send, show, make, complain }) => {
   }
   $("next").onclick = () => {
     complain("");
+    show("loading");
     send({ type: "next" });
   };
   $("asked").onsubmit = (event) => {

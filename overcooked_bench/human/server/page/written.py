@@ -52,7 +52,7 @@ def study_page(terms: "Terms", study: Study) -> str:
 
 
 def _page(terms: "Terms", given: dict[str, Any]) -> str:
-    given = {**given, "licence": LICENCE, "seconds": round(terms.pace * terms.horizon)}
+    given = {**given, "licence": LICENCE, "seat": terms.seat, "seconds": round(terms.pace * terms.horizon)}
     data = json.dumps(given, separators=(",", ":")).replace("<", "\\u003c")  # "</script>" would end the element
     viewer = files("overcooked_bench.rendering.viewer").joinpath("kitchen.js").read_text("utf-8")
     here = files(__package__)
