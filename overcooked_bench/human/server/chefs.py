@@ -4,7 +4,7 @@ import asyncio
 import secrets
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -89,13 +89,16 @@ class AgentChef:
         self._threads = threads
         self._asked: asyncio.Future[int] | None = None
 
+    def see(self, kitchens: Kitchens) -> Any:
+        """Returns what the agent is shown; the first time it may take seconds, in which kernels are compiled."""
+        seen = Views(kitchens).of(self._seated)
+        return seen if self._seated.observation == STATE else seen.copy()
+
     def look(self, kitchens: Kitchens) -> None:
         """Asks the agent, unless it is still at an earlier state."""
         if self._asked is None:
-            seen = Views(kitchens).of(self._seated)
-            if self._seated.observation != STATE:
-                seen = seen.copy()
-            self._asked = asyncio.get_running_loop().run_in_executor(self._threads, self._ask, seen)
+            asked = asyncio.get_running_loop().run_in_executor(self._threads, self._ask, self.see(kitchens))
+            self._asked = asked
 
     def action(self) -> int:
         """Returns the agent's answer if it is there, else stay.

@@ -5,10 +5,13 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from typing import Final
 
+import numpy as np
+
 from overcooked_bench.human.server.chefs import AgentChef, Chef, Person
 from overcooked_bench.human.server.keeping import GamesFile, recorded
 from overcooked_bench.human.server.live import LiveGame, kitchen_to_play
 from overcooked_bench.human.server.offers import Cast
+from overcooked_bench.kitchen.codes import STAY
 
 SOURCE: Final = "overcooked-bench play"
 
@@ -75,4 +78,8 @@ class House:
             Person() if agent is None else AgentChef(self.cast.entrant(agent), kitchens, seat, self.threads)
             for seat, agent in enumerate(cast)
         ]
+        for chef in chefs:  # compiles here what would hold up all games between two steps
+            if isinstance(chef, AgentChef):
+                chef.see(kitchens)
+        kitchen_to_play(layout, 1, self.terms.cooking).step(np.full((1, 2), STAY))
         return LiveGame(kitchens, chefs)
