@@ -11,6 +11,9 @@ from overcooked_bench import play_episodes, score
 from overcooked_bench.agents import UnknownLayout
 from overcooked_bench.agents.submissions.loading import load_submission
 from overcooked_bench.cli import main
+from overcooked_bench.evaluation.beside import REFERENCES
+from overcooked_bench.evaluation.score import Scored
+from overcooked_bench.evaluation.scores import read_scores
 from tests.evaluation.made import protocol_text
 from tests.leaderboard.made import COMPLETE, edit
 
@@ -159,6 +162,33 @@ def test_every_option_of_the_plugin_is_listed():
     pytest_addoption(Parser())
     assert [option for option in Parser.options if option not in PAGES["unit-tests.md"]] == []
     assert "--agent" in Parser.options
+
+
+@pytest.fixture(scope="module")
+def reference():
+    """The score of `greedy` that ships with the protocol v1."""
+    return read_scores(REFERENCES / "v1.json")
+
+
+@pytest.mark.parametrize("page", ["README.md", "quickstart.md"])
+def test_the_card_of_greedy_is_that_of_the_shipped_reference(page, reference, tmp_path):
+    (card,) = re.findall(r"```text\n(greedy · protocol .*?)\n```", PAGES[page], re.DOTALL)
+    table, notes = card.splitlines(), Scored(reference, tmp_path, 0).table().splitlines()
+    assert table == notes[: len(table)]
+    assert notes[len(table)] == "", "the page ends in the middle of the table"
+
+
+def test_what_the_quickstart_reads_from_the_card_is_on_it(reference):
+    text = " ".join(PAGES["quickstart.md"].split())
+    whole, hardest = reference.find("n"), reference.find("n", layout="forced_coordination")
+    for said in (
+        f"`greedy` gets {whole.value:.2f} of the way, and in `forced_coordination` {hardest.value:.2f}.",
+        f"**[{whole.estimate.low:.2f}, {whole.estimate.high:.2f}]** is the 95 % interval.",
+    ):
+        assert said in text
+    strata = {row.stratum: row.value for row in reference.select("n", layout=None) if row.stratum is not None}
+    assert min(strata, key=strata.get) == "other-trainers"
+    assert "Here `greedy` is weakest with agents that other projects trained." in text
 
 
 FOUND = [(page, link) for page, text in PAGES.items() for link in re.findall(r"\]\(([^)#]+)", text)]
