@@ -40,6 +40,11 @@ def script_of(name: str) -> str:
     return (TUTORIALS / f"{name}.py").read_text("utf-8")
 
 
+def shortened(script: str) -> str:
+    """Returns a tutorial's script with the values of the tests."""
+    return _SHORT.sub(r"\1\2", script)
+
+
 def run(script: str, folder: Path, short: bool = False) -> list[str]:
     """Runs a tutorial, cell by cell.
 
@@ -54,7 +59,7 @@ def run(script: str, folder: Path, short: bool = False) -> list[str]:
     names: dict[str, Any] = {"__name__": "__main__"}
     printed = []
     with _inside(folder):
-        for number, source in enumerate(_code(_SHORT.sub(r"\1\2", script) if short else script)):
+        for number, source in enumerate(_code(shortened(script) if short else script)):
             with redirect_stdout(StringIO()) as out:
                 exec(compile(source, f"<cell {number} of code>", "exec"), names)
             printed.append(out.getvalue())

@@ -1,5 +1,7 @@
-"""The package list is the tree, and the built wheel holds the tree and nothing else."""
+"""The package list is the tree; the built wheel holds the tree and nothing else, and works where it is installed."""
 
+import os
+import re
 import shutil
 import subprocess
 import sys
@@ -10,11 +12,16 @@ from pathlib import Path
 
 import pytest
 
+from docs.render_tutorials import script_of, shortened
+
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 HOMES = PROJECT["tool"]["setuptools"]["package-dir"]
 NOT_SHIPPED = {".md"}
 """Suffixes of what explains the tree to its readers and stays there; so does the folder of results."""
+PYTHONS = os.environ.get("OVERCOOKED_BENCH_PYTHONS", "").split() or [sys.executable]
+"""What the wheel is installed for: versions or paths, as `uv venv --python` takes them; by default the running one."""
+NO_NETWORK = re.compile("Request failed|Failed to fetch|Failed to download|network was disabled")
 
 
 def tree(root: Path = ROOT) -> dict[str, Path]:
@@ -94,3 +101,49 @@ def test_the_wheel_alone_finds_its_data(wheel, tmp_path):
     expected = [tmp_path / "overcooked_bench" / "__init__.py", protocols, rows]
     assert done.stderr == ""
     assert done.stdout.splitlines() == [str(line) for line in expected]
+
+
+def run(command, folder: Path) -> str:
+    """Runs a command in a folder, with nothing of this Python or of these tests around it; returns what it printed."""
+    ours = ("PYTHON", "PYTEST", "VIRTUAL_ENV", "UV_PROJECT")
+    around = {name: value for name, value in os.environ.items() if not name.startswith(ours)}
+    done = subprocess.run([*map(str, command)], cwd=folder, env=around, capture_output=True, text=True)
+    assert done.returncode == 0, f"{command} ended with {done.returncode}:\n{done.stdout}{done.stderr}"
+    return done.stdout
+
+
+def installed(wheel: Path, python: str, home: Path) -> Path:
+    """Installs the wheel in an empty environment, or skips where that is impossible; returns the folder of programs."""
+    uv = shutil.which("uv")
+    if uv is None:
+        pytest.skip("uv, which makes the environment, is not on PATH")
+    made = subprocess.run([uv, "venv", "--python", python, home], cwd=home.parent, capture_output=True, text=True)
+    if made.returncode and python != sys.executable:
+        pytest.skip(f"Python {python} cannot be had: {made.stderr.strip().partition(chr(10))[0]}")
+    assert made.returncode == 0, made.stderr
+    what = f"{PROJECT['project']['name']}[test] @ {wheel.as_uri()}"
+    to = ["--python", home / "bin" / "python", "--exclude-newer", PROJECT["tool"]["uv"]["exclude-newer"]]
+    done = subprocess.run([uv, "pip", "install", *to, what], cwd=home.parent, capture_output=True, text=True)
+    if NO_NETWORK.search(done.stderr):
+        pytest.skip(f"the packages for Python {python} cannot be fetched")
+    assert done.returncode == 0, done.stderr
+    return home / "bin"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("python", PYTHONS, ids=lambda python: Path(python).name)
+def test_the_wheel_works_in_an_empty_environment(python, wheel, tmp_path):
+    programs, here = installed(wheel, python, tmp_path / "environment"), tmp_path / "here"
+    here.mkdir()
+    (here / "tutorial.py").write_text(shortened(script_of("score_sb3")), "utf-8")
+    bench, python = programs / "overcooked-bench", programs / "python"
+    found = run([python, "-c", "import overcooked_bench; print(overcooked_bench.__file__)"], here)
+    assert Path(found.strip()).is_relative_to(programs.parent)
+    assert PROJECT["project"]["version"] in run([bench, "--version"], here)
+    assert "cramped_room" in run([bench, "score", "greedy", "--layouts", "cramped_room", "--workers", "1"], here)
+    assert (here / "scores" / "greedy-v1" / "report.html").is_file()
+    scenario = ["overcooked_bench.unit_scenarios", "--agent", "greedy", "-k", "C02", "-q"]
+    assert re.search(r"^[1-9]\d* passed", run([python, "-m", "pytest", "--pyargs", *scenario], here), re.MULTILINE)
+    assert re.search(r"dev-v0 .*: sound, [1-9]\d* agents played", run([bench, "pool", "verify", "dev-v0"], here))
+    assert "cramped_room" in run([python, "tutorial.py"], here)
+    assert (here / "my-ppo" / "agent.py").is_file()
