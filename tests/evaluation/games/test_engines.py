@@ -116,6 +116,7 @@ import sys
 from overcooked_bench.evaluation.games.engines import open_engine, refuse
 from tests.evaluation.games.test_engines import act
 signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background it is ignored
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup it is ignored
 print("the script runs", flush=True)
 with open_engine("local", 2) as engine:
     tasks = [("work", 0), ("work", 1), (sys.argv[1], 1000), ("sleep", 1000)]
