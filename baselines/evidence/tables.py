@@ -88,12 +88,12 @@ def variance_table(found: Evidence) -> Table:
 def validity_table(found: Evidence) -> Table:
     """Shows the correlations between scores: the twin, strata left out, and proxies of people."""
     names = {pair: name for pair, name in zip(pairs(strata_of(found)), _letters(strata_of(found)), strict=True)}
-    present = [(first, second) for first, second in names if any(_of(one, first, second) for one in _columns(found))]
-    rows = [[names[pair], *(_rho(_of(one, *pair)) for one in _columns(found))] for pair in present]
-    entrants = [
-        f"{len(layout.entrants)} of {len({entrant.family for entrant in layout.entrants})}" for layout in found.layouts
-    ]
-    return Table(["Spearman", *_heads(found)], rows, [["entrants, of families", *entrants]])
+    cells = {pair: [correlation_of(one, *pair) for one in _columns(found)] for pair in names}
+    present = [pair for pair in names if any(cells[pair])]
+    rows = [[names[pair], *map(_rho, cells[pair])] for pair in present]
+    firsts = {names[pair][:3]: pair for pair in reversed(present)}  # all pairs of (b) have the same entrants
+    foot = [[f"entrants of {letter}, of families", *map(_entrants, cells[firsts[letter]])] for letter in sorted(firsts)]
+    return Table(["Spearman", *_heads(found)], rows, foot)
 
 
 def predictors_table(found: Evidence) -> Table:
@@ -101,10 +101,10 @@ def predictors_table(found: Evidence) -> Table:
     columns = _columns(found)
     rows, numbers = [], [_NONE] * len(columns)
     for name in PREDICTORS:
-        cells = [_of(one, SAME + name, PEOPLE) for one in columns]
+        cells = [correlation_of(one, SAME + name, PEOPLE) for one in columns]
         if any(cells):
             rows.append([_PREDICTORS[name], *map(_rho, cells)])
-            numbers = [f"{cell.entrants} of {cell.families}" if cell else _NONE for cell in cells]
+            numbers = [*map(_entrants, cells)]
     return Table(["predictor", *_heads(found)], rows, [["entrants, of families", *numbers]])
 
 
@@ -153,12 +153,17 @@ def _heads(found: Evidence) -> list[str]:
     return [*(layout.layout for layout in found.layouts), "pooled"]
 
 
-def _of(records: Sequence[CorrelationRecord], first: str, second: str) -> CorrelationRecord | None:
+def correlation_of(records: Sequence[CorrelationRecord], first: str, second: str) -> CorrelationRecord | None:
+    """Returns the record of two scores, None if there is none."""
     return next((one for one in records if (one.first, one.second) == (first, second)), None)
 
 
 def _rho(record: CorrelationRecord | None) -> str:
     return _NONE if record is None or record.rho is None else record.rho.text(2)
+
+
+def _entrants(record: CorrelationRecord | None) -> str:
+    return _NONE if record is None else f"{record.entrants} of {record.families}"
 
 
 def _percent(value: float | None) -> str:
@@ -177,5 +182,5 @@ def _spread(values: "np.ndarray[tuple[int], np.dtype[np.float64]]") -> str:
 
 def estimate_of(records: Sequence[CorrelationRecord], first: str, second: str) -> Estimate | None:
     """Returns a correlation with its interval; None if it could not be computed."""
-    record = _of(records, first, second)
+    record = correlation_of(records, first, second)
     return record.rho if record else None

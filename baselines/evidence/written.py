@@ -9,11 +9,12 @@ from overcooked_bench.rendering.table import Table
 from .components import COMPONENTS
 from .entrants import MOST_OF_A_FAMILY
 from .entries import GREEDY, ORACLE
-from .records import Evidence, LayoutRecord
+from .records import Evidence
 from .scores import TWIN, WHOLE
 from .tables import (
     bounds_table,
     conventions_table,
+    correlation_of,
     entries_table,
     estimate_of,
     pool_table,
@@ -159,15 +160,12 @@ def _missing(found: Evidence) -> list[str]:
     if ORACLE not in entries:
         lines.append("Missing: the oracle; some best known responders are in none of the pools that were given.")
     least, families = FEWEST
-    few = [layout.layout for layout in found.layouts if not _enough(layout)]
-    if few:
-        lines.append(f"Fewer than {least} entrants or {families} families on {_listed(few)}.")
+    for letter, pair in (("a", (WHOLE, TWIN)), ("c", (HEADLINE, PEOPLE))):
+        seen = {layout.layout: correlation_of(layout.correlations, *pair) for layout in found.layouts}
+        few = [name for name, one in seen.items() if one and (one.entrants < least or one.families < families)]
+        if few:
+            lines.append(f"({letter}) has fewer than {least} entrants or {families} families on {_listed(few)}.")
     return lines
-
-
-def _enough(layout: LayoutRecord) -> bool:
-    families = len({entrant.family for entrant in layout.entrants})
-    return len(layout.entrants) >= FEWEST[0] and families >= FEWEST[1]
 
 
 def _note(found: Evidence) -> str:

@@ -59,7 +59,11 @@ def test_the_page_says_what_the_episodes_say(home, report, tmp_path):
         assert f"](tiny-{name}.png)" in text
         assert (tmp_path / "out" / f"tiny-{name}.png").read_bytes().startswith(b"\x89PNG")
     assert "reached on 1 of 1 layouts" in text
-    assert "Fewer than 40 entrants or 8 families on cramped_room" in text
+    for letter in "ac":
+        assert f"({letter}) has fewer than 40 entrants or 8 families on cramped_room" in text
+    twins = rho[WHOLE, TWIN]
+    (row,) = [line for line in text.splitlines() if line.startswith("| entrants of (a), of families")]
+    assert row.split("|")[2].strip() == f"{twins['entrants']} of {twins['families']}"
 
 
 def test_scores_are_those_of_the_manifests_bounds_and_weights(home, report):
