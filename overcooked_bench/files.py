@@ -85,6 +85,36 @@ def write_whole(file: str | Path, data: bytes | str) -> None:
     os.replace(unfinished, file)
 
 
+def append_line(file: str | Path, line: bytes) -> None:
+    """Adds a line to a file, which is on the disk when this returns.
+
+    Args:
+        file: Made if it is missing; its folder must exist.
+        line: Without its end.
+    """
+    with Path(file).open("ab") as opened:
+        opened.write(line + b"\n")
+        opened.flush()
+        os.fsync(opened.fileno())
+
+
+def cut_unfinished_line(file: str | Path) -> None:
+    """Cuts off what a program that was killed in `append_line` has left at the end of a file, if there is one."""
+    if not os.path.exists(file):
+        return
+    with Path(file).open("rb+") as opened:
+        end = opened.seek(0, os.SEEK_END)
+        while end > 0:
+            begin = max(0, end - _PART)
+            opened.seek(begin)
+            last = opened.read(end - begin).rfind(b"\n")
+            if last >= 0:
+                end = begin + last + 1
+                break
+            end = begin
+        opened.truncate(end)
+
+
 def check_name(name: str, what: str, raises: type[WrongUse] = FileError) -> str:
     """Returns a name from a file if it can safely become part of a path.
 

@@ -23,26 +23,34 @@ def browser() -> Iterator[Any]:
 
 
 @pytest.fixture
-def opened(browser: Any) -> Iterator[Any]:
-    """Opens a file: `opened(path, width=390, dark=True)`; the test fails if the page has an error or asks for another.
+def visited(browser: Any) -> Iterator[Any]:
+    """Opens an address: `visited(address, width=390, dark=True)`; the test fails if the page has an error.
 
-    The page has the attribute `problems`, in which they are collected.
+    With `alone=True` it fails too if the page asks for anything but itself.
     """
     contexts = []
     problems: list[str] = []
 
-    def opener(file: Any, width: int = 1280, height: int = 900, dark: bool = False, **more: Any) -> Any:
+    def opener(
+        address: str, width: int = 1280, height: int = 900, dark: bool = False, alone: bool = False, **more: Any
+    ) -> Any:
         scheme = "dark" if dark else "light"
         context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme, **more)
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: problems.append(str(error)))
         page.on("console", lambda said: problems.append(said.text) if said.type == "error" else None)
-        page.on("request", lambda asked: problems.append(asked.url) if asked.url != file.as_uri() else None)
-        page.goto(file.as_uri())
+        page.on("request", lambda asked: problems.append(asked.url) if alone and asked.url != address else None)
+        page.goto(address)
         return page
 
     yield opener
     for context in contexts:
         context.close()
     assert problems == []
+
+
+@pytest.fixture
+def opened(visited: Any) -> Any:
+    """Opens a file that needs nothing else: `opened(path, width=390)`."""
+    return lambda file, *given, **more: visited(file.as_uri(), *given, alone=True, **more)

@@ -7,7 +7,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overcooked_bench.errors import WrongUse
-from overcooked_bench.files import FileError, check_name, is_file, read_regular, read_text, shown, write_whole
+from overcooked_bench.files import (
+    FileError,
+    append_line,
+    check_name,
+    cut_unfinished_line,
+    is_file,
+    read_regular,
+    read_text,
+    shown,
+    write_whole,
+)
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="pipes and devices")
 
@@ -96,3 +106,18 @@ def test_what_cannot_be_a_path_is_no_file(path):
 
 def test_what_is_shown_is_short_and_has_no_control_characters():
     assert shown("a\x1b[31m" + "b" * 1000) == "a\\x1b[31m" + "b" * 193 + "…"
+
+
+def test_a_line_that_a_killed_program_left_unfinished_is_cut_off(tmp_path):
+    file = tmp_path / "lines"
+    cut_unfinished_line(file)
+    assert not file.exists()
+    for line in (b"one", b"two"):
+        append_line(file, line)
+    for left, whole in ((b"", b"one\ntwo\n"), (b"x" * 200_000, b"one\ntwo\n"), (b"th", b"one\ntwo\n")):
+        file.write_bytes(whole + left)
+        cut_unfinished_line(file)
+        assert file.read_bytes() == whole
+    file.write_bytes(b"no line at all" * 10_000)
+    cut_unfinished_line(file)
+    assert file.read_bytes() == b""

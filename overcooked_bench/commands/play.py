@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from typing import Any
+from typing import Any, Final
 
 from overcooked_bench.commands.common import (
     add_act_timeout,
@@ -14,6 +14,9 @@ from overcooked_bench.commands.common import (
     whole,
 )
 from overcooked_bench.errors import WrongUse
+
+_OF_NO_STUDY: Final = ("agents", "layouts", "games", "seat", "pace", "horizon")
+"""What the plan of a study says itself, or keeps elsewhere."""
 
 
 def add_play(commands: Any) -> None:
@@ -41,14 +44,10 @@ def add_play(commands: Any) -> None:
         metavar="FILE",
         help="add the games of people who agree to this games file (*.games.jsonl); nothing is kept without it",
     )
+    parser.add_argument("--pace", metavar="MS", type=positive, help="milliseconds per step (default: 150)")
+    parser.add_argument("--horizon", metavar="STEPS", type=whole(1), help="length of a game (default: 400)")
     parser.add_argument(
-        "--pace", metavar="MS", type=positive, default=150.0, help="milliseconds per step (default: 150)"
-    )
-    parser.add_argument(
-        "--horizon", metavar="STEPS", type=whole(1), default=400, help="length of a game (default: 400)"
-    )
-    parser.add_argument(
-        "--countdown", metavar="SECONDS", type=float, default=3.0, help="before the first step (default: 3)"
+        "--countdown", metavar="SECONDS", type=whole(0), default=3, help="before the first step (default: 3)"
     )
     parser.add_argument(
         "--cooking",
@@ -73,12 +72,12 @@ def add_play(commands: Any) -> None:
 def _play(options: argparse.Namespace) -> int:
     from overcooked_bench.agents.isolation.settings import isolate
     from overcooked_bench.human.server.house import Terms
-    from overcooked_bench.human.server.offers import Cast, layouts_of
+    from overcooked_bench.human.server.offers import Cast
     from overcooked_bench.human.server.serving import LOOPBACK, Place, serve
     from overcooked_bench.human.server.studies import open_study
+    from overcooked_bench.kitchen.layout import Layout, layout_names
 
     isolation = isolate(options.isolate, options.act_timeout) if options.isolate else None
-    countdown = max(0.0, options.countdown)
     if options.host not in (LOOPBACK, "localhost", "::1"):
         print("Anyone who knows the address below can play, and the connection is not encrypted.", file=sys.stderr)
     print("Loading ...", file=sys.stderr)
@@ -88,12 +87,16 @@ def _play(options: argparse.Namespace) -> int:
 
     place = Place(options.host, options.port, options.token)
     if options.study:
-        if options.agents or options.layouts or options.games or options.seat is not None:
-            raise WrongUse("the plan of a study says who plays where; give --output DIR for its record, and no others")
-        terms, cast, games, log = open_study(options.study, options.output, options.cooking, countdown, isolation)
+        if given := [name for name in _OF_NO_STUDY if getattr(options, name) not in (None, [])]:
+            raise WrongUse(f"{given[0]} is for the plan of a study to say; with --study, --output DIR names its folder")
+        study = open_study(options.study, options.output, options.cooking, options.countdown, isolation)
+        terms, cast, games, log = study
         serve(terms, cast, games, place, opened, log)
         return 0
-    layouts = tuple(layout.name for layout in layouts_of(options.layouts))
-    terms = Terms(layouts, options.pace / 1000, options.horizon, countdown, options.cooking, options.seat)
+    if options.output:
+        raise WrongUse("--output is the folder of a study; --games FILE names a games file")
+    layouts = tuple(Layout.named(name).name for name in options.layouts or layout_names())
+    pace, horizon = options.pace / 1000 if options.pace else Terms.pace, options.horizon or Terms.horizon
+    terms = Terms(layouts, pace, horizon, options.countdown, options.cooking, options.seat)
     serve(terms, Cast(tuple(options.agents), options.cooking, isolation), options.games, place, opened)
     return 0

@@ -5,10 +5,11 @@ import time
 
 import pytest
 
+from overcooked_bench.agents.pools.pool import Pool
 from overcooked_bench.human.server.house import Terms
 from tests.human.server.serving import running
 
-PEOPLE, STEPS, PACE, WINDOW = 20, 100, 0.15, 0.02
+PEOPLE, STEPS, PACE, WINDOW, LEAST = 20, 100, 0.15, 0.02, 0.95
 
 pytestmark = pytest.mark.benchmark
 
@@ -36,8 +37,6 @@ def test_twenty_games_at_once_keep_the_pace(benchmark, capsys):
             for thread in threads:
                 thread.join()
 
-    from overcooked_bench.agents.pools.pool import Pool
-
     partner = f"dev-v1/cramped_room/{Pool.load('dev-v1').agents('cramped_room')[0].name}"
     benchmark.pedantic(play, rounds=1)
     late = [abs(at - (times[0] + PACE * step)) for times in heard.values() for step, at in enumerate(times) if step]
@@ -47,4 +46,5 @@ def test_twenty_games_at_once_keep_the_pace(benchmark, capsys):
         print(
             f"\n{PEOPLE} games at once: {share:.1%} of {len(late)} steps within 20 ms; worst {1000 * max(late):.0f} ms"
         )
+    assert share >= LEAST
     assert all(len(times) == STEPS for times in heard.values())

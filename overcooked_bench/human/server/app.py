@@ -17,8 +17,8 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from overcooked_bench.human.server.messages import MOST_BYTES, MessageError, parse
 from overcooked_bench.human.server.page.written import play_page, study_page
-from overcooked_bench.human.server.participant import Participant
-from overcooked_bench.human.server.visit import Hall, Visit
+from overcooked_bench.human.server.playing import Page
+from overcooked_bench.human.server.visit import Hall
 
 MOST_VISITS = 64
 """Open pages at the same time."""
@@ -88,13 +88,13 @@ def make_app(hall: Hall, token: str, hosts: Collection[str] = ()) -> Starlette:
             with suppress(*_GONE):
                 await connection.close()
         for error in ended:
-            if isinstance(error, Exception) and not isinstance(error, _GONE):
+            if isinstance(error, Exception):
                 raise error
 
     return Starlette(routes=[Route("/", page), WebSocketRoute("/socket", socket)])
 
 
-async def _hear(connection: WebSocket, visit: "Visit | Participant") -> None:
+async def _hear(connection: WebSocket, visit: Page) -> None:
     """Passes messages on until the page is closed."""
     while True:
         received = await connection.receive()
@@ -111,8 +111,10 @@ async def _hear(connection: WebSocket, visit: "Visit | Participant") -> None:
 
 
 async def _send(connection: WebSocket, unsent: "asyncio.Queue[dict[str, Any]]") -> None:
-    while True:
-        await connection.send_text(msgspec.json.encode(await unsent.get()).decode())
+    """Sends what is to be said until the page is gone."""
+    with suppress(*_GONE):
+        while True:
+            await connection.send_text(msgspec.json.encode(await unsent.get()).decode())
 
 
 def _refusal(connection: HTTPConnection, token: str, hosts: Collection[str]) -> str:

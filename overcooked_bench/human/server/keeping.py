@@ -1,6 +1,5 @@
 """What is kept of games that people play, if they agree: joint actions, points, and no names."""
 
-import os
 import secrets
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Final
 
 import msgspec
 
+from overcooked_bench.files import append_line, cut_unfinished_line, is_file
 from overcooked_bench.human.game import Game, GamesError, Player
 from overcooked_bench.human.games import MOST_BYTES, SUFFIX, record
 from overcooked_bench.human.server.chefs import AgentChef, Chef
@@ -67,9 +67,7 @@ class GamesFile:
         if not self.path.name.endswith(SUFFIX):
             raise GamesError(f"{self.path}: the name of a games file ends in {SUFFIX}; write {self.path.stem}{SUFFIX}")
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        with self.path.open("ab+") as file:
-            end = _end_of_last_line(file.seek(0, os.SEEK_END), file)
-            file.truncate(end)
+        cut_unfinished_line(self.path)
 
     def add(self, game: Game) -> None:
         """Writes a game.
@@ -77,28 +75,10 @@ class GamesFile:
         Raises:
             GamesError: The file is as large as a games file may be.
         """
-        line = msgspec.json.encode(game) + b"\n"
-        with self.path.open("ab") as file:
-            if file.tell() + len(line) > MOST_BYTES:
-                raise GamesError(f"{self.path}: full; give another file")
-            file.write(line)
-            file.flush()
-            os.fsync(file.fileno())
-
-
-def _end_of_last_line(size: int, file: object) -> int:
-    """Returns where the last whole line ends."""
-    from io import BufferedRandom
-
-    assert isinstance(file, BufferedRandom)
-    step, end = 1 << 16, size
-    while end > 0:
-        begin = max(0, end - step)
-        file.seek(begin)
-        if (at := file.read(end - begin).rfind(b"\n")) >= 0:
-            return begin + at + 1
-        end = begin
-    return 0
+        line = msgspec.json.encode(game)
+        if is_file(self.path) and self.path.stat().st_size + len(line) >= MOST_BYTES:
+            raise GamesError(f"{self.path}: full; give another file")
+        append_line(self.path, line)
 
 
 def _player(chef: Chef) -> Player:

@@ -6,6 +6,7 @@ from typing import Any, Final
 import numpy as np
 
 from overcooked_bench.human.server.chefs import AgentChef, Chef, Person
+from overcooked_bench.kitchen.codes import SERVED
 from overcooked_bench.kitchen.kitchens import Kitchens
 from overcooked_bench.kitchen.layout import Layout
 from overcooked_bench.rendering.viewer.games import pack_frame
@@ -16,7 +17,16 @@ HISTORY: Final = 3
 
 def kitchen_to_play(layout: str, horizon: int, cooking: str) -> Kitchens:
     """Makes one kitchen at its standard start."""
-    return Kitchens(layout, 1, cooking=cooking, horizon=horizon, start="standard", history=HISTORY, autoreset=False)
+    return Kitchens(
+        layout,
+        1,
+        cooking=cooking,
+        horizon=horizon,
+        start="standard",
+        history=HISTORY,
+        autoreset=False,
+        actions_taken=True,
+    )
 
 
 class LiveGame:
@@ -29,7 +39,7 @@ class LiveGame:
     Attributes:
         chefs: Who moves them; a seat's can change between two steps.
         points: Of the team so far.
-        soups: Delivered so far.
+        soups: Delivered so far, paid for or not.
         actions: The joint actions so far.
     """
 
@@ -83,7 +93,8 @@ class LiveGame:
         result = self._kitchens.step(np.array([[first, second]], np.int64))
         self.actions.append((first, second))
         self.points += float(result.soup_reward.sum())
-        self.soups += int((result.soup_reward > 0).sum())
+        assert result.actions_taken is not None
+        self.soups += int((result.actions_taken & SERVED != 0).sum())
 
     def person(self, seat: int) -> Person | None:
         """Returns the person on a seat, None if an agent sits there."""

@@ -14,7 +14,6 @@ from overcooked_bench.agents.pools.pool import Pool, find_pool, shipped_pools
 from overcooked_bench.agents.scripted import SCRIPTED
 from overcooked_bench.errors import AgentFault, WrongUse
 from overcooked_bench.human.server.live import kitchen_to_play
-from overcooked_bench.kitchen.layout import Layout
 
 if TYPE_CHECKING:
     from overcooked_bench.agents.isolation.settings import Isolation
@@ -34,6 +33,11 @@ class Offers:
 
     offered: dict[str, list[str]] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def suggested(self) -> str:
+        """The partner that a page begins with: the first that was given, else `greedy`."""
+        return next(iter(self.offered.get(GIVEN, ())), "greedy")
 
     def has(self, reference: str) -> bool:
         """Returns whether an agent can be chosen."""
@@ -111,14 +115,3 @@ def _misfit(reference: str, layout: str, cooking: str, isolation: "Isolation | N
     except (UnknownLayout, WrongUse, AgentFault) as error:
         return str(error)
     return ""
-
-
-def layouts_of(names: Sequence[str] | None) -> list[Layout]:
-    """Returns layouts by name, all shipped ones by default.
-
-    Raises:
-        LayoutError: There is no such layout.
-    """
-    from overcooked_bench.kitchen.layout import layout_names
-
-    return [Layout.named(name) for name in (names or layout_names())]

@@ -10,13 +10,13 @@ from overcooked_bench.errors import AgentFault, OvercookedBenchError
 from overcooked_bench.human.server.chefs import AgentChef
 from overcooked_bench.human.server.house import House
 from overcooked_bench.human.server.live import LiveGame
-from overcooked_bench.human.server.messages import Answers, Consent, Enroll, Leave, Message, MessageError, Next, Ping
-from overcooked_bench.human.server.playing import TROUBLE, Playing
+from overcooked_bench.human.server.messages import Answers, Enroll, Leave, Message, MessageError, Next
+from overcooked_bench.human.server.playing import TROUBLE, Page, Playing
 from overcooked_bench.human.study.log import Played, StudyLog
 from overcooked_bench.human.study.plan import StudyError, Trial
 
 
-class Participant:
+class Participant(Page):
     """The page of a participant.
 
     Args:
@@ -26,22 +26,16 @@ class Participant:
     """
 
     def __init__(self, house: House, log: StudyLog, say: Callable[[dict[str, Any]], object]) -> None:
-        self.say, self.label = say, ""
-        self.agreed: bool | None = None
-        self.playing: Playing | None = None
+        super().__init__(say)
         self._house, self._log = house, log
 
-    async def hear(self, message: Message) -> None:
-        """Does what a message asks for.
+    async def follow(self, message: Message) -> None:
+        """Goes on with the study.
 
         Raises:
             MessageError: It does not fit what is going on.
         """
         match message:
-            case Ping(at=at):
-                self.say({"type": "pong", "at": at})
-            case Consent(agree=agree):
-                self.agreed = agree
             case _ if not self.agreed:
                 raise MessageError("only those who agree take part; send consent first")
             case Enroll(code=code):
@@ -54,10 +48,8 @@ class Participant:
                 self._answer(answers)
             case Leave():
                 self._stop()
-            case _ if self.playing is None:
-                raise MessageError("no game is going on; ask for the next one")
             case _:
-                self.playing.hear(self, message)
+                raise MessageError("the study says what is played; ask for the next game")
 
     def leave(self) -> None:
         """Ends what is going on, since the page was closed; the game is played again when it is opened."""

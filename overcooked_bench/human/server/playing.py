@@ -1,34 +1,80 @@
 """`Playing`: one game, and the pages that it is shown on."""
 
 import asyncio
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from overcooked_bench.errors import AgentFault, OvercookedBenchError
 from overcooked_bench.human.server.chefs import AgentChef, Chef, Person, Taken
 from overcooked_bench.human.server.house import House
 from overcooked_bench.human.server.live import LiveGame
-from overcooked_bench.human.server.messages import Control, Message, MessageError, Press, Release, Take
+from overcooked_bench.human.server.messages import (
+    Consent,
+    Control,
+    Message,
+    MessageError,
+    Ping,
+    Press,
+    Release,
+    Take,
+)
 from overcooked_bench.human.server.pace import Pace
 
 TROUBLE: Final = "the game cannot be played; please report it to the people who do this study"
 """What a blinded page says if an agent is at fault."""
 
 
-class Page(Protocol):
-    """An open page, as a game knows it.
+class Page(ABC):
+    """An open page, whatever it is for.
 
-    Attributes:
+    Args:
         say: Sends a message to it; never waits.
         label: Of its person's visit.
-        agreed: Whether its person agreed that games are kept.
+
+    Attributes:
+        say: As given.
+        label: As given, or set later.
+        agreed: Whether its person agreed that games are kept; None until then.
         playing: The game that is shown on it.
     """
 
-    say: Callable[[dict[str, Any]], object]
-    label: str
-    agreed: bool | None
-    playing: "Playing | None"
+    def __init__(self, say: Callable[[dict[str, Any]], object], label: str = "") -> None:
+        self.say, self.label = say, label
+        self.agreed: bool | None = None
+        self.playing: Playing | None = None
+
+    async def hear(self, message: Message) -> None:
+        """Does what a message asks for.
+
+        Raises:
+            MessageError: It does not fit what is going on.
+        """
+        match message:
+            case Ping(at=at):
+                self.say({"type": "pong", "at": at})
+            case Consent(agree=agree):
+                self.agreed = agree
+            case Press() | Release() | Control() | Take():
+                if self.playing is None:
+                    raise MessageError("no game is going on; begin one")
+                self.playing.hear(self, message)
+            case _ if self.agreed is None:
+                raise MessageError("no answer yet to whether games may be kept; send consent first")
+            case _:
+                await self.follow(message)
+
+    @abstractmethod
+    async def follow(self, message: Message) -> None:
+        """Does what a message other than keys, consent and pings asks for.
+
+        Raises:
+            MessageError: It does not fit what is going on.
+        """
+
+    @abstractmethod
+    def leave(self) -> None:
+        """Ends what is going on, since the page was closed."""
 
 
 class Playing:

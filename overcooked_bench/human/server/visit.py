@@ -9,9 +9,9 @@ from typing import Any
 from overcooked_bench.errors import AgentFault, OvercookedBenchError
 from overcooked_bench.human.server.house import House
 from overcooked_bench.human.server.keeping import new_label
-from overcooked_bench.human.server.messages import Begin, Consent, Join, Leave, Message, MessageError, Ping, Watch
+from overcooked_bench.human.server.messages import Begin, Join, Leave, Message, MessageError, Watch
 from overcooked_bench.human.server.participant import Participant
-from overcooked_bench.human.server.playing import Playing
+from overcooked_bench.human.server.playing import Page, Playing
 from overcooked_bench.human.study.log import StudyLog
 
 
@@ -28,22 +28,22 @@ class Hall:
 
     house: House
     log: StudyLog | None = None
-    visits: "set[Visit | Participant]" = field(default_factory=set)
+    visits: set[Page] = field(default_factory=set)
     waiting: "dict[str, Visit]" = field(default_factory=dict)
 
-    def enter(self, say: Callable[[dict[str, Any]], object]) -> "Visit | Participant":
+    def enter(self, say: Callable[[dict[str, Any]], object]) -> Page:
         """Lets a page in.
 
         Args:
             say: Sends a message to the page; never waits.
         """
-        visit = Visit(self, say) if self.log is None else Participant(self.house, self.log, say)
+        visit: Page = Visit(self, say) if self.log is None else Participant(self.house, self.log, say)
         self.visits.add(visit)
         return visit
 
 
-class Visit:
-    """One open page.
+class Visit(Page):
+    """A page on which games are chosen.
 
     Args:
         hall: Where it is.
@@ -51,24 +51,16 @@ class Visit:
     """
 
     def __init__(self, hall: Hall, say: Callable[[dict[str, Any]], object]) -> None:
-        self.say, self.label = say, new_label()
-        self.agreed: bool | None = None
-        self.playing: Playing | None = None
+        super().__init__(say, new_label())
         self._hall, self._house, self._room = hall, hall.house, ""
 
-    async def hear(self, message: Message) -> None:
-        """Does what a message asks for.
+    async def follow(self, message: Message) -> None:
+        """Begins, joins, watches or leaves a game.
 
         Raises:
             MessageError: It does not fit what is going on.
         """
         match message:
-            case Ping(at=at):
-                self.say({"type": "pong", "at": at})
-            case Consent(agree=agree):
-                self.agreed = agree
-            case _ if self.agreed is None:
-                raise MessageError("no answer yet to whether games may be kept; send consent first")
             case Begin():
                 await self._begin(message)
             case Watch(layout=layout, agents=agents):
@@ -80,10 +72,8 @@ class Visit:
                 if self.playing is not None or self._room:
                     self.leave()
                     self.say({"type": "left"})
-            case _ if self.playing is None:
-                raise MessageError("no game is going on; begin one")
             case _:
-                self.playing.hear(self, message)
+                raise MessageError("this server is for no study; begin a game")
 
     def leave(self) -> None:
         """Ends what is going on; for a page that was closed, too."""

@@ -1,6 +1,5 @@
 """What has happened in a study: a file of one JSON object per line, which is only ever added to."""
 
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from io import BytesIO
@@ -11,7 +10,7 @@ import msgspec
 from msgspec import Meta
 
 from overcooked_bench.documents import parse_json
-from overcooked_bench.files import read_regular, shown
+from overcooked_bench.files import append_line, cut_unfinished_line, read_regular, shown
 from overcooked_bench.human.study.plan import Study, StudyError, Trial
 
 FILE: Final = "study.jsonl"
@@ -178,10 +177,7 @@ class StudyLog:
     def _add(self, event: Event) -> None:
         self._note(event)
         self._file.parent.mkdir(parents=True, exist_ok=True)
-        with self._file.open("ab") as file:
-            file.write(msgspec.json.encode(event) + b"\n")
-            file.flush()
-            os.fsync(file.fileno())
+        append_line(self._file, msgspec.json.encode(event))
 
     def _note(self, event: Event) -> None:
         match event:
@@ -197,13 +193,9 @@ def _read(file: Path) -> Iterator[Event]:
     """Reads the events; the last line is left out if a killed program did not finish it, and cut off."""
     if not file.exists():
         return
-    content = read_regular(file, MOST_BYTES, raises=StudyError)
-    whole = content[: content.rfind(b"\n") + 1]
-    if len(whole) < len(content):
-        with file.open("rb+") as opened:
-            opened.truncate(len(whole))
+    cut_unfinished_line(file)
     enrolled: set[str] = set()
-    for number, line in enumerate(BytesIO(whole), start=1):
+    for number, line in enumerate(BytesIO(read_regular(file, MOST_BYTES, raises=StudyError)), start=1):
         where = f"{shown(file)}:{number}"
         event = cast(Event, parse_json(line, where, Event, StudyError))  # type: ignore[arg-type]
         if isinstance(event, Enrolled):

@@ -54,8 +54,8 @@ QUESTIONS: Final = {
     "fluency": Question(text="My partner and I worked fluently together."),
     "trust": Question(text="I could rely on my partner to do the right thing at the right time."),
 }
-"""What is asked by default, one question of each of two scales of Hoffman (2019), "Evaluating Fluency in Human-Robot
-Collaboration": fluency, and trust in the partner."""
+"""What is asked by default, in the manner of two scales of Hoffman (2019), "Evaluating Fluency in Human-Robot
+Collaboration": fluency, and trust in the partner. The wording is ours."""
 
 
 class StudyPlan(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

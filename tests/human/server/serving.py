@@ -16,9 +16,9 @@ from overcooked_bench.human.server.house import House, Terms
 from overcooked_bench.human.server.keeping import GamesFile
 from overcooked_bench.human.server.messages import MOST_BYTES
 from overcooked_bench.human.server.offers import Cast
-from overcooked_bench.human.server.participant import Participant
+from overcooked_bench.human.server.playing import Page as PageOfServer
 from overcooked_bench.human.server.serving import Place, listening
-from overcooked_bench.human.server.visit import Hall, Visit
+from overcooked_bench.human.server.visit import Hall
 from overcooked_bench.human.study.log import StudyLog
 
 TOKEN = "a-token-of-the-tests"
@@ -32,7 +32,7 @@ class Running:
         self.hall, self.house, self.port = hall, hall.house, port
         self.address = f"http://127.0.0.1:{port}/?token={TOKEN}"
 
-    def visits(self) -> "set[Visit | Participant]":
+    def visits(self) -> set[PageOfServer]:
         """The open pages."""
         return self.hall.visits
 

@@ -112,6 +112,7 @@ def test_the_page_says_so_while_a_partner_is_loaded(visited, tmp_path):
         try:
             page.click("button[type=submit]")
             page.wait_for_selector("#loading:visible")
+            assert "prepared" in page.inner_text("#loading")
         finally:
             ready.touch()
         page.wait_for_selector("#kitchen:visible")

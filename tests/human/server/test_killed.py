@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from overcooked_bench.cli import main
 from overcooked_bench.human.games import read_games
 from overcooked_bench.human.server.serving import Place, ServerError, listening
 
@@ -37,3 +38,20 @@ def test_a_port_that_is_taken_and_an_address_that_is_not_ours_are_refused():
         listening(Place(port=taken.getsockname()[1]))
     with pytest.raises(ServerError, match="another --host or --port"):
         listening(Place(host="203.0.113.1"))
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (["--study", "plan.yaml", "--pace", "100"], "pace is for the plan"),
+        (["--study", "plan.yaml", "greedy"], "agents is for the plan"),
+        (["--output", "somewhere"], "--output is the folder of a study"),
+        (["--layouts", "no_such_room"], "no_such_room"),
+        (["--countdown", "-1"], "whole number from 0"),
+        (["--games", "ours.json"], "ours.games.jsonl"),
+    ],
+)
+def test_what_does_not_fit_together_is_refused(given, words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["play", *given]) == 2
+    assert words in capsys.readouterr().err

@@ -8,7 +8,7 @@
   const KEYS = {
     ArrowUp: 0, KeyW: 0, ArrowDown: 1, KeyS: 1, ArrowRight: 2, KeyD: 2, ArrowLeft: 3, KeyA: 3, Space: 5, KeyE: 5,
   };
-  let socket, kitchen = null, last = null, wanted = null, agreed = false, late = 0, seconds = 0;
+  let socket, kitchen = null, last = null, wanted = null, late = 0, seconds = 0;
 
   /* One section at a time. */
   function show(name) {
@@ -32,7 +32,6 @@
   for (const place of document.querySelectorAll("[data-if]")) place.hidden = !given[place.dataset.if];
   for (const place of document.querySelectorAll("[data-if-not]")) place.hidden = given[place.dataset.ifNot];
   function answer(agree) {
-    agreed = agree;
     send({ type: "consent", agree });
     $("keeping").textContent = agree ? "Games that you finish are kept." : "Nothing of your games is kept.";
     if (given.study) return studied.enroll();
@@ -57,13 +56,13 @@
     $("preview").setAttribute("aria-label", `The kitchen ${name}`);
   }
   function offer() {
-    const { offered, refused } = chosen();
+    const { offered, refused, suggested } = chosen();
     for (const id of ["partner", "first", "second"]) {
       const before = $(id).value, groups = Object.entries(offered).map(([label, names]) =>
         make("optgroup", { label }, ...names.map((name) => make("option", { value: name }, name.split("/").pop()))));
       $(id).replaceChildren(...groups);
       const names = Object.values(offered).flat();
-      $(id).value = names.includes(before) ? before : offered["given on the command line"]?.[0] ?? "greedy";
+      $(id).value = names.includes(before) ? before : suggested;
     }
     const reasons = Object.entries(refused);
     $("refused").hidden = !reasons.length;

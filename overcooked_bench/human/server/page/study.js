@@ -3,7 +3,6 @@
 
 const study = ({ send, show, make, complain }) => {
   const $ = (id) => document.getElementById(id), key = `overcooked-bench study ${location.host}`;
-  let going = false;
 
   /* Drawn once per browser tab, so that a page that is loaded again goes on where it was. */
   function code() {
@@ -40,7 +39,6 @@ const study = ({ send, show, make, complain }) => {
       trial({ number, of, partner }) {
         headed("trial", `Game ${number} of ${of}`);
         $("next-partner").textContent = partner;
-        going = true;
       },
       questions({ partner, questions }) {
         $("asked").firstElementChild.replaceChildren(...Object.entries(questions).map(([name, q]) => ask(name, q)));
@@ -53,9 +51,11 @@ const study = ({ send, show, make, complain }) => {
       },
       end({ points, soups, error }) {
         $("score").textContent = `Together you had ${points} points, ${soups} soup${soups === 1 ? "" : "s"}.`;
-        if (error) complain(`The game could not be kept: ${error}`);
+        if (!error) return;
+        complain(`The game could not be kept: ${error}`);
+        show("trial");
       },
-      left: () => going && show("trial"),
+      left: () => show("trial"),
     },
   };
 };

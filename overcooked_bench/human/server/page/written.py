@@ -32,6 +32,7 @@ def play_page(terms: "Terms", offers: Mapping[str, "Offers"], keeps: bool) -> st
             "starts": [list(cell) for cell in layout.start_cells],
             "offered": offers[name].offered,
             "refused": offers[name].refused,
+            "suggested": offers[name].suggested,
         }
         for name, layout in ((name, Layout.named(name)) for name in terms.layouts)
     ]
@@ -45,10 +46,7 @@ def study_page(terms: "Terms", study: Study) -> str:
         terms: How games are played.
         study: The study.
     """
-    games = len(study.trials(0))
-    return _page(
-        terms, {"keeps": True, "study": {"name": study.plan.name, "consent": study.plan.consent, "games": games}}
-    )
+    return _page(terms, {"keeps": True, "study": {"consent": study.plan.consent}})
 
 
 def _page(terms: "Terms", given: dict[str, Any]) -> str:
